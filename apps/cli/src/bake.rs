@@ -1,6 +1,8 @@
 //! `tresses bake`: writes simulated hair as an Alembic or USD cache.
 
-use crate::{export::drawn, files, progress, progress::Preparing, say, settings_args::SettingsArgs};
+use crate::{
+    export::drawn_strands, files, progress, progress::TaskProgress, say, settings_args::SettingsArgs,
+};
 use anyhow::Result;
 use std::path::PathBuf;
 use tresses::{
@@ -46,7 +48,7 @@ pub fn run(args: &BakeArgs) -> Result<()> {
     let frames = args.frames.unwrap_or(period_frames as u32);
     let preset = args.settings.preset()?;
     preset.settings.check()?;
-    let preparing = Preparing::new("opening the GPU");
+    let preparing = TaskProgress::new("opening the GPU");
     let gpu = pollster::block_on(Gpu::open())?;
     let character = pollster::block_on(preset.character(&gpu.context, &preparing))?;
     for note in &character.notes {
@@ -62,7 +64,7 @@ pub fn run(args: &BakeArgs) -> Result<()> {
     drop(preparing);
     let (pivot, frame_interval) = (scene.character.neck(), 1.0 / args.fps);
     scene.reset(&motion.gesture(0.0, pivot))?;
-    let first_frame = drawn(&scene, [&scene.character.hair().strands])?;
+    let first_frame = drawn_strands(&scene, [&scene.character.hair().strands])?;
     let unit = args.out_unit.unwrap_or(LengthUnit(1.0));
     let bar = progress::frames("baking", u64::from(frames));
     files::stream(&args.out, |file| {
@@ -73,7 +75,7 @@ pub fn run(args: &BakeArgs) -> Result<()> {
         for frame in 1..frames {
             let gesture = motion.gesture(f64::from(frame) * frame_interval, pivot);
             scene.advance(&gesture, frame_interval as f32)?;
-            cache.frame(&drawn(&scene, [&scene.character.hair().strands])?.positions)?;
+            cache.frame(&drawn_strands(&scene, [&scene.character.hair().strands])?.positions)?;
             bar.inc(1);
         }
         Ok(cache.finish()?)

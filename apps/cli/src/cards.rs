@@ -3,7 +3,7 @@
 use crate::{
     export::{RestingCharacter, colored},
     files,
-    progress::Preparing,
+    progress::TaskProgress,
     say,
     settings_args::SettingsArgs,
 };
@@ -102,7 +102,7 @@ pub fn run(args: &CardsArgs) -> Result<()> {
         files::prepare(path)?;
     }
     let preset = args.settings.preset()?;
-    let preparing = Preparing::new("opening the GPU");
+    let preparing = TaskProgress::new("opening the GPU");
     let RestingCharacter { mut scene, head, rig, .. } = RestingCharacter::new(&preset, &preparing)?;
     let strands = colored(&scene)?;
     let begin = Instant::now();

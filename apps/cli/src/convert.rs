@@ -16,7 +16,7 @@ use tresses_scene::knobs::{self, Value};
 use crate::{
     files,
     orient_args::{MomentArgs, OrientArgs},
-    progress::Preparing,
+    progress::TaskProgress,
 };
 
 /// Convert grooms into other formats, in meters, Y up, face towards +Z; or cook a groom with its head (.tresses), which
@@ -147,7 +147,7 @@ pub fn run(args: ConvertArgs) -> anyhow::Result<()> {
 
 /// Writes a cooked groom: everything that opening the groom on its head computes.
 fn cook(grooms: &[PathBuf], heads: &[PathBuf], options: &ImportOptions, out: &Path) -> anyhow::Result<()> {
-    let preparing = Preparing::new("reading the groom");
+    let preparing = TaskProgress::new("reading the groom");
     let base = pollster::block_on(CharacterSource::imported(
         &CharacterFiles::Disk { grooms, heads },
         options,

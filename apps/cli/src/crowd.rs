@@ -8,7 +8,7 @@ use crate::{
 use anyhow::{Result, ensure};
 use tresses::{
     Budget,
-    low_level::{COARSEST, HeadDetail},
+    low_level::{HeadDetail, MAX_BUDGET_BIAS},
 };
 use tresses_scene::{Crowd, CrowdOptions, Motion, crowd::ROWS, words::grouped};
 
@@ -143,7 +143,7 @@ pub fn describe(crowd: &Crowd, scene: &Photographer) -> String {
     let budget = crowd.budget.budget;
     let kept = if detail.fits {
         ""
-    } else if detail.bias < COARSEST {
+    } else if detail.bias < MAX_BUDGET_BIAS {
         ", approaching the levels for the budget by 1/8 octave per frame"
     } else {
         ", the coarsest levels, which exceed the budget"

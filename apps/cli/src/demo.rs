@@ -6,7 +6,7 @@ use crate::{
     photographer::Photographer,
     picture::FrameWriter,
     preset_args::PresetArgs,
-    progress::Preparing,
+    progress::TaskProgress,
     render::{FrameTimes, animate},
     say, settings_args,
 };
@@ -69,7 +69,7 @@ pub fn run(args: &DemoArgs) -> Result<()> {
     eprintln!("Building a character with moving hair.");
     let mut scene = Photographer::open(&preset, PICTURE)?;
     eprintln!("Rendering an image on {}.", scene.adapter_name());
-    let drawing = Preparing::new("rendering the image");
+    let drawing = TaskProgress::new("rendering the image");
     let camera = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), PICTURE.aspect(), 1.0);
     let mut output =
         FrameWriter::create(&args.out.join("demo.png"), (PICTURE.width, PICTURE.height), 1, 1.0)?;
@@ -80,7 +80,7 @@ pub fn run(args: &DemoArgs) -> Result<()> {
     drop(drawing);
 
     let frames = (motion.duration() * LOOP_FPS).round() as u32;
-    let fitting = Preparing::new("measuring the frame time");
+    let fitting = TaskProgress::new("measuring the frame time");
     let (size, seconds) = fit(&mut scene, &motion, f64::from(frames))?;
     drop(fitting);
     let path = args.out.join("demo.webp");

@@ -1,6 +1,6 @@
 //! `tresses export`: writes the strands of a groom or a built-in style as drawn at rest.
 
-use crate::{files, progress::Preparing, say, settings_args::SettingsArgs};
+use crate::{files, progress::TaskProgress, say, settings_args::SettingsArgs};
 use anyhow::{Result, ensure};
 use std::{
     fmt::Write,
@@ -45,7 +45,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
         args.head_out.as_deref().map(|path| Writer::holding(path, ContentKind::Mesh)).transpose()?;
     ensure!(!args.packed || writer.compresses, "only .glb files can be compressed: remove --packed");
     let preset = args.settings.preset()?;
-    let preparing = Preparing::new("opening the GPU");
+    let preparing = TaskProgress::new("opening the GPU");
     let RestingCharacter { scene, head, rig, .. } = RestingCharacter::new(&preset, &preparing)?;
     ensure!(args.head_out.is_none() || head.is_some(), "this hair has no body: remove --head-out");
     let strands = colored(&scene)?;
@@ -71,7 +71,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
         let face = || scene.character.grooms().skip(1);
         ensure!(face().next().is_some(), "this character has no facial hair: remove --face-out");
         let all = face().map(|hair| &hair.strands);
-        write!(message, "\n{}", write_strands(path, writer, &drawn(&scene, all)?)?)?;
+        write!(message, "\n{}", write_strands(path, writer, &drawn_strands(&scene, all)?)?)?;
     }
     if let (Some(path), Some(writer), Some(head)) = (&args.head_out, head_writer, &head) {
         write!(message, "\n{}", write_body(path, writer, head, rig.as_ref())?)?;
@@ -95,7 +95,7 @@ pub struct RestingCharacter {
 
 impl RestingCharacter {
     /// Opens the GPU, and the character of `preset`.
-    pub fn new(preset: &Preset, preparing: &Preparing) -> Result<Self> {
+    pub fn new(preset: &Preset, preparing: &TaskProgress) -> Result<Self> {
         preset.settings.check()?;
         let gpu = pollster::block_on(Gpu::open())?;
         let character = pollster::block_on(preset.character(&gpu.context, preparing))?;
@@ -156,12 +156,12 @@ fn counted(path: &Path, strands: &Strands) -> String {
 /// Returns the hair's strands as [`drawn`], with their colors.
 pub fn colored(scene: &Scene) -> Result<Strands> {
     let hair = &scene.character.hair().strands;
-    let mut strands = drawn(scene, [hair])?;
+    let mut strands = drawn_strands(scene, [hair])?;
     strands.colors = pollster::block_on(scene.drawn_colors(hair))?;
     Ok(strands)
 }
 
 /// Returns the strands of `all` as `scene` draws them now. Blocks.
-pub fn drawn<'a>(scene: &Scene, all: impl IntoIterator<Item = &'a StrandBuffers>) -> Result<Strands> {
+pub fn drawn_strands<'a>(scene: &Scene, all: impl IntoIterator<Item = &'a StrandBuffers>) -> Result<Strands> {
     pollster::block_on(scene.drawn(all))
 }

@@ -1,7 +1,7 @@
 //! `tresses groom`: applies recorded strokes of a brush to a groom or a built-in style.
 
 use crate::{
-    args::Size, files, picture::OutputKind, progress::Preparing, say, settings_args::SettingsArgs,
+    args::Size, files, picture::OutputKind, progress::TaskProgress, say, settings_args::SettingsArgs,
     timelapse::Timelapse,
 };
 use anyhow::{Context, Result, ensure};
@@ -53,7 +53,7 @@ pub fn run(args: &GroomArgs) -> Result<()> {
         None => StrokeScript::default(),
     };
     let preset = args.settings.preset()?;
-    let preparing = Preparing::new("opening the GPU");
+    let preparing = TaskProgress::new("opening the GPU");
     let gpu = pollster::block_on(Gpu::open())?;
     let (source, mut editor) = pollster::block_on(preset.editor(&gpu.context, &preparing))?;
     let before = editor.document().clone();

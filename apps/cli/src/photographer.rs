@@ -4,7 +4,7 @@ use crate::{
     args::Size,
     debug::{self, Debug},
     picture::{Image, OutputFrame, OutputKind, layers},
-    progress::Preparing,
+    progress::TaskProgress,
 };
 use anyhow::{Result, ensure};
 use std::{
@@ -88,7 +88,7 @@ impl Photographer {
         settings.check()?;
         let companion_files = CompanionFiles::of(&preset.source, Shelf::default());
         let surroundings = companion_files.surroundings()?;
-        let preparing = Preparing::new("opening the GPU");
+        let preparing = TaskProgress::new("opening the GPU");
         let gpu = gpu.map_or_else(|| pollster::block_on(Gpu::open()), Ok)?;
         let max_samples = gpu.context.tier().max_samples;
         let mut quality = settings.quality([size.width, size.height], max_samples)?;

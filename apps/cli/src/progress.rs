@@ -42,14 +42,14 @@ pub fn frames(message: &'static str, frames: u64) -> ProgressBar {
 const STEPS: u64 = 1000;
 
 /// Progress of one task at a time: a spinner, or a bar with the remaining time once the task reports a fraction.
-pub struct Preparing {
+pub struct TaskProgress {
     bar: ProgressBar,
     task: Cell<&'static str>,
     /// Whether the task has reported a fraction, so that the bar replaces the spinner.
     has_fraction: Cell<bool>,
 }
 
-impl Preparing {
+impl TaskProgress {
     /// Shows `task` as the first task.
     pub fn new(task: &'static str) -> Self {
         let preparing = Self {
@@ -77,13 +77,13 @@ impl Preparing {
     }
 }
 
-impl Drop for Preparing {
+impl Drop for TaskProgress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }
 }
 
-impl Progress for Preparing {
+impl Progress for TaskProgress {
     async fn step(&self, task: &'static str, fraction: f32) {
         if task != self.task.get() {
             self.start_task(task);

@@ -2,9 +2,9 @@
 
 use crate::{
     args::SourceArgs,
-    export::{RestingCharacter, drawn, write_body, write_strands},
+    export::{RestingCharacter, drawn_strands, write_body, write_strands},
     files,
-    progress::Preparing,
+    progress::TaskProgress,
     say,
 };
 use anyhow::{Context, Result};
@@ -37,10 +37,10 @@ pub fn run(args: &SampleArgs) -> Result<()> {
     let mut preset = Preset::default();
     SourceArgs { style: Some("bob".into()), ..Default::default() }.apply(&mut preset);
     preset.settings.set("style.strands", STRANDS)?;
-    let preparing = Preparing::new("opening the GPU");
+    let preparing = TaskProgress::new("opening the GPU");
     let RestingCharacter { scene, head, rig, guides } = RestingCharacter::new(&preset, &preparing)?;
     let body = head.as_ref().context("the built-in character has a body")?;
-    let strands = drawn(&scene, [&scene.character.hair().strands])?;
+    let strands = drawn_strands(&scene, [&scene.character.hair().strands])?;
     let at = |name: &str| args.folder.join(name);
     let mut messages = Vec::new();
     for name in GROOMS {

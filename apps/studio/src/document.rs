@@ -4,7 +4,7 @@ use crate::{
     files::Files,
     groomer::Groomer,
     hair::{COLORS, DocumentHair, HairSource},
-    job::{DisplayedCharacter, Job, JobResult, Order},
+    job::{DisplayedCharacter, Job, JobRequest, JobResult},
     journal::{Journal, LeftGroom},
     messages::Messages,
     renderer::StudioRenderer,
@@ -83,20 +83,21 @@ impl Document {
         }
         if let Some(order) = self.order().filter(|_| is_active && self.groomer.is_none()) {
             messages.clear();
-            self.job = Some(Job::start(&self.context, self.gpu.clone(), Order { groom: true, ..order }));
+            self.job =
+                Some(Job::start(&self.context, self.gpu.clone(), JobRequest { opens_editor: true, ..order }));
         }
     }
 
     /// Returns the order for the hair on the screen; `None` without hair, and while a job runs.
-    fn order(&self) -> Option<Order> {
+    fn order(&self) -> Option<JobRequest> {
         let shown = self.shown.as_ref().filter(|_| self.job.is_none())?;
-        Some(Order {
+        Some(JobRequest {
             hair: shown.hair.clone(),
             base: Some(shown.base.clone()),
             surroundings: shown.surroundings.clone(),
             settings: self.settings.now().clone(),
-            keep: true,
-            groom: false,
+            keeps_camera_and_motion: true,
+            opens_editor: false,
         })
     }
 
@@ -241,9 +242,9 @@ impl Document {
     /// Starts a job for `hair`. If only the environment differs, the job loads just that.
     fn light(&mut self, hair: DocumentHair, messages: &mut Messages) {
         let same = self.shown.as_ref().is_some_and(|shown| shown.hair.is_lit_otherwise(&hair));
-        if same && self.job.as_ref().is_none_or(Job::is_light) {
+        if same && self.job.as_ref().is_none_or(Job::loads_environment) {
             messages.clear();
-            self.job = Some(Job::light(&self.context, hair));
+            self.job = Some(Job::load_environment(&self.context, hair));
         } else {
             self.make(hair, false, messages);
         }
@@ -272,7 +273,14 @@ impl Document {
         self.due.rebuild = false;
         let settings = self.settings.now().clone();
         let keep = base.is_some();
-        let order = Order { hair, base, surroundings, settings, keep, groom: false };
+        let order = JobRequest {
+            hair,
+            base,
+            surroundings,
+            settings,
+            keeps_camera_and_motion: keep,
+            opens_editor: false,
+        };
         messages.clear();
         self.job = Some(Job::start(&self.context, self.gpu.clone(), order));
     }
@@ -281,7 +289,7 @@ impl Document {
     pub fn bake(&mut self, options: CardOptions, messages: &mut Messages) {
         let Some(order) = self.order() else { return };
         messages.clear();
-        self.job = Some(Job::cards(&self.context, self.gpu.clone(), order, options));
+        self.job = Some(Job::bake_cards(&self.context, self.gpu.clone(), order, options));
     }
 
     /// Returns the result of a finished job and its hair. After an error the document reverts to the hair on the

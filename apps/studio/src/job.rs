@@ -30,7 +30,7 @@ const WARM_UP_SIZE: [u32; 2] = [487, 305];
 const YIELD_INTERVAL: std::time::Duration = std::time::Duration::from_millis(40);
 
 /// Input of a job.
-pub struct Order {
+pub struct JobRequest {
     /// Hair and companions.
     pub hair: DocumentHair,
     /// The loaded groom, if it can be reused.
@@ -40,9 +40,9 @@ pub struct Order {
     /// All parameters.
     pub settings: Settings,
     /// Whether camera and motion stay unchanged.
-    pub keep: bool,
+    pub keeps_camera_and_motion: bool,
     /// Whether the job also converts the hair to a document and opens it in an editor.
-    pub groom: bool,
+    pub opens_editor: bool,
 }
 
 /// The character on the screen.
@@ -64,7 +64,7 @@ pub struct PreparedCharacter {
     /// Its source, for display and for later jobs.
     pub shown: DisplayedCharacter,
     /// Whether camera and motion stay unchanged.
-    pub keep: bool,
+    pub keeps_camera_and_motion: bool,
     /// The editor, if the hair is to be groomed, and the settings without the style, which the document already has.
     pub editor: Option<(GroomEditor, Settings)>,
 }
@@ -150,7 +150,7 @@ impl Progress for ProgressSender {
 
 impl Job {
     /// Starts to build the character of `order`.
-    pub fn start(context: &egui::Context, gpu: Gpu, order: Order) -> Self {
+    pub fn start(context: &egui::Context, gpu: Gpu, order: JobRequest) -> Self {
         let (job, progress) = Self::begin(context, order.hair.clone(), JobKind::Hair);
         task::spawn(move || async move {
             let result = prepare(gpu, order, &progress).await;
@@ -160,7 +160,7 @@ impl Job {
     }
 
     /// Starts to load the environment of `hair`, whose character is already on the screen.
-    pub fn light(context: &egui::Context, hair: DocumentHair) -> Self {
+    pub fn load_environment(context: &egui::Context, hair: DocumentHair) -> Self {
         let companion_files = hair.companion_files.clone();
         let (job, progress) = Self::begin(context, hair, JobKind::Light);
         task::spawn(move || async move {
@@ -171,7 +171,7 @@ impl Job {
     }
 
     /// Starts to bake cards of the hair of `order`, which is already on the screen.
-    pub fn cards(context: &egui::Context, gpu: Gpu, order: Order, options: CardOptions) -> Self {
+    pub fn bake_cards(context: &egui::Context, gpu: Gpu, order: JobRequest, options: CardOptions) -> Self {
         let (job, progress) = Self::begin(context, order.hair.clone(), JobKind::Cards);
         task::spawn(move || async move {
             let result = bake(gpu, order, &options, &progress).await;
@@ -188,12 +188,12 @@ impl Job {
     }
 
     /// Whether the job only loads an environment.
-    pub fn is_light(&self) -> bool {
+    pub fn loads_environment(&self) -> bool {
         self.kind == JobKind::Light
     }
 
     /// Whether the job bakes cards.
-    pub fn is_cards(&self) -> bool {
+    pub fn bakes_cards(&self) -> bool {
         self.kind == JobKind::Cards
     }
 
@@ -214,8 +214,15 @@ impl Job {
 }
 
 /// Builds the character of `order` and renders its first frame.
-async fn prepare(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<PreparedCharacter> {
-    let Order { mut hair, base, surroundings, mut settings, keep, groom } = order;
+async fn prepare(gpu: Gpu, order: JobRequest, progress: &impl Progress) -> Result<PreparedCharacter> {
+    let JobRequest {
+        mut hair,
+        base,
+        surroundings,
+        mut settings,
+        keeps_camera_and_motion: keep,
+        opens_editor: groom,
+    } = order;
     let DocumentHair { source, companion_files } = &hair;
     // Validate the inputs before the expensive work.
     progress.step("reading maps and the environment map", 0.0).await;
@@ -268,12 +275,17 @@ async fn prepare(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Pre
     progress.step("rendering the first frame", 0.0).await;
     warm_up(&mut stage)?;
     let shown = DisplayedCharacter { hair, notes, base, surroundings };
-    Ok(PreparedCharacter { stage, shown, keep, editor })
+    Ok(PreparedCharacter { stage, shown, keeps_camera_and_motion: keep, editor })
 }
 
 /// Bakes cards of the hair of `order`, which is on the screen.
-async fn bake(gpu: Gpu, order: Order, options: &CardOptions, progress: &impl Progress) -> Result<BakedCards> {
-    let Order { hair, base, settings, .. } = order;
+async fn bake(
+    gpu: Gpu,
+    order: JobRequest,
+    options: &CardOptions,
+    progress: &impl Progress,
+) -> Result<BakedCards> {
+    let JobRequest { hair, base, settings, .. } = order;
     let base = base.context("there is no hair on the screen")?;
     let (maps, colliders) = (hair.companion_files.maps()?, hair.companion_files.colliders()?);
     let view = view_options(&settings, gpu.context.tier())?;

@@ -59,9 +59,9 @@ impl ViewBytes<'_> {
 }
 
 /// Maximum change of the bias per frame, octaves.
-pub const FASTEST: f32 = 0.125;
+pub const MAX_BIAS_CHANGE: f32 = 0.125;
 /// Maximum bias that a budget adds, octaves.
-pub const COARSEST: f32 = 6.0;
+pub const MAX_BUDGET_BIAS: f32 = 6.0;
 
 /// Work that heads cause in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -131,7 +131,7 @@ impl CostModel {
     }
 
     /// Returns the estimated cost of `work`, ms.
-    pub fn of(&self, work: &Work) -> f64 {
+    pub fn estimate(&self, work: &Work) -> f64 {
         self.factors.iter().zip(work.amounts()).map(|(factor, amount)| factor * amount).sum()
     }
 
@@ -247,14 +247,15 @@ impl Budget {
                 crowd.heads.push(head);
                 details.push(detail);
             }
-            crowd.milliseconds = costs.of(&crowd.work);
+            crowd.milliseconds = costs.estimate(&crowd.work);
             crowd.fits = crowd.milliseconds <= f64::from(self.milliseconds) && crowd.bytes <= self.bytes;
             (crowd, details)
         };
         let target = self.min_bias(|bias| plan(bias, heads).0.fits);
         // The limit on the rate applies to time only, since one slow frame may be an outlier. Memory must fit at once.
-        let reachable = last_bias.map_or(target, |bias| target.clamp(bias - FASTEST, bias + FASTEST));
-        let reachable = reachable.clamp(0.0, COARSEST);
+        let reachable =
+            last_bias.map_or(target, |bias| target.clamp(bias - MAX_BIAS_CHANGE, bias + MAX_BIAS_CHANGE));
+        let reachable = reachable.clamp(0.0, MAX_BUDGET_BIAS);
         let (mut crowd, mut details) = plan(reachable, heads);
         if crowd.bytes > self.bytes && target > reachable {
             (crowd, details) = plan(target, heads);
@@ -270,7 +271,7 @@ impl Budget {
         if fits(0.0) {
             return 0.0;
         }
-        let (mut low, mut high) = (0.0, COARSEST);
+        let (mut low, mut high) = (0.0, MAX_BUDGET_BIAS);
         for _ in 0..10 {
             let midpoint = 0.5 * (low + high);
             if fits(midpoint) { high = midpoint } else { low = midpoint }
@@ -311,7 +312,7 @@ impl Hair {
             return (head, Work::default());
         }
         // Assumes one frame per fixed step.
-        let steps_per_frame = f64::from(detail.step.max(1.0)).recip();
+        let steps_per_frame = f64::from(detail.step_scale.max(1.0)).recip();
         let simulated_steps = if is_asleep { 0.0 } else { steps_per_frame };
         let work = Work {
             heads: 1.0,
@@ -320,7 +321,7 @@ impl Hair {
                 * f64::from(self.guides.vertex_count)
                 * f64::from(substeps)
                 * simulated_steps,
-            grids: if detail.together > 0.0 { simulated_steps } else { 0.0 },
+            grids: if detail.self_collision_scale > 0.0 { simulated_steps } else { 0.0 },
             pixels: f64::from(detail.size).powi(2).min(f64::from(camera.size[0]) * f64::from(camera.size[1])),
         };
         (head, work)
@@ -356,14 +357,14 @@ mod tests {
         let mut costs = CostModel::default();
         let max_error = |costs: &CostModel| {
             (100..130)
-                .map(|i| (costs.of(&random_work(i)) / exact.of(&random_work(i)) - 1.0).abs())
+                .map(|i| (costs.estimate(&random_work(i)) / exact.estimate(&random_work(i)) - 1.0).abs())
                 .fold(0.0, f64::max)
         };
         let initial_error = max_error(&costs);
         for i in 0..40 {
             // 10 % noise.
             let noise = 0.9 + 0.2 * f64::from(pcg(977 * i)) / f64::from(u32::MAX);
-            costs.fit(&random_work(i), exact.of(&random_work(i)) * noise);
+            costs.fit(&random_work(i), exact.estimate(&random_work(i)) * noise);
         }
         println!("{initial_error} {} {:?}", max_error(&costs), costs.factors());
         // Frames that were not used for fitting: within twice the noise of the timed ones.
@@ -371,7 +372,7 @@ mod tests {
         // Identical frames determine only their own cost; the proportions of the factors stay.
         let mut costs = CostModel::default();
         (0..20).for_each(|_| costs.fit(&random_work(3), 7.0));
-        assert!((costs.of(&random_work(3)) - 7.0).abs() < 0.2, "{}", costs.of(&random_work(3)));
+        assert!((costs.estimate(&random_work(3)) - 7.0).abs() < 0.2, "{}", costs.estimate(&random_work(3)));
         assert!(costs.factors().iter().all(|factor| *factor > 0.0));
         let unchanged = costs.clone();
         costs.fit(&random_work(3), f64::NAN);
@@ -382,7 +383,7 @@ mod tests {
     fn least_bias_is_smallest_that_fits() {
         let budget = Budget::default();
         assert_eq!(budget.min_bias(|_| true), 0.0);
-        assert_eq!(budget.min_bias(|_| false), COARSEST);
+        assert_eq!(budget.min_bias(|_| false), MAX_BUDGET_BIAS);
         let found = budget.min_bias(|bias| bias >= 1.7);
         assert!((1.7..1.71).contains(&found), "{found}");
     }

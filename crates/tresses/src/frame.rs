@@ -351,14 +351,14 @@ impl Recorder<'_> {
         (lights, scene): (&light::Lights, &[SceneShadow<'_>]),
     ) -> Result<()> {
         for (part, lit) in parts.iter().zip(lit) {
-            let (hair, bodies) = (Part::of(&part.hair, hair), Part::of(&part.bodies, bodies));
+            let (hair, bodies) = (Part::select(&part.hair, hair), Part::select(&part.bodies, bodies));
             let scene = part.light.import_shadows(lights, lit, scene)?;
             part.light.record_shadows(&mut self.commands, lit, &hair, (&bodies, &scene))?;
         }
         self.commands.lap(Stage::Shadow);
         if lit.iter().any(|lit| lit.ambient) {
             for (part, lit) in parts.iter().zip(lit).filter(|(_, lit)| lit.ambient) {
-                let (hair, bodies) = (Part::of(&part.hair, hair), Part::of(&part.bodies, bodies));
+                let (hair, bodies) = (Part::select(&part.hair, hair), Part::select(&part.bodies, bodies));
                 part.light.record_ambient(&mut self.commands, &hair, (&bodies, lit.every))?;
             }
             self.commands.lap(Stage::Ambient);

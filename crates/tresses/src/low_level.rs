@@ -20,7 +20,7 @@
 pub use crate::{
     avoid::{NO_HIT, StrandState},
     body::{Skin, Words},
-    budget::{COARSEST, CostModel, CrowdDetail, FASTEST, HeadDetail, ViewBytes, Work},
+    budget::{CostModel, CrowdDetail, HeadDetail, MAX_BIAS_CHANGE, MAX_BUDGET_BIAS, ViewBytes, Work},
     camera::{framing_distance, subject},
     character::Foci,
     clock::{MAX_STEPS, MAX_SUBSTEPS},
@@ -66,7 +66,7 @@ pub use crate::views::{ColorScale, DebugDisplay, DebugView, DebugViews, GridView
 
 /// Bind groups and their layouts by position.
 pub mod bindings {
-    pub use crate::gpu::bindings::{group, layout, uniform};
+    pub use crate::gpu::bindings::{group, layout, uniform_buffer};
 }
 
 /// Constants that Rust and the shaders share.

@@ -97,7 +97,7 @@ impl View {
     /// As [`Targets::new`].
     pub fn new(context: &Context, options: &ViewOptions, size: [u32; 2], ssaa: u32) -> Result<Self> {
         let targets = Targets::new(context, size, options.renderer, ssaa)?;
-        let camera = bindings::uniform(&context.device, "camera", size_of::<CameraUniform>());
+        let camera = bindings::uniform_buffer(&context.device, "camera", size_of::<CameraUniform>());
         Ok(Self {
             light: light(context, options, &camera),
             present: present::PresentState::new(context, &targets, options.renderer, options.output),
@@ -319,9 +319,9 @@ impl View {
         }
         let lit = |part: &Part<'_>| {
             let lights = (&picture.lights, &picture.shadows, &part.focus);
-            let hair = Part::of(&part.hair, hair);
+            let hair = Part::select(&part.hair, hair);
             let mut lit = part.light.prepare(&self.context, lights, renderer, &hair, part.number);
-            lit.ambient &= part.fresh;
+            lit.ambient &= part.updates_ambient;
             lit
         };
         parts.iter().map(lit).collect()

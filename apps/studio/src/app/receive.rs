@@ -73,7 +73,7 @@ impl Studio {
     fn present(&mut self, ready: PreparedCharacter) {
         // The recording shows the previous hair.
         self.recorder.stop(&mut self.renderer, &mut self.messages);
-        let PreparedCharacter { mut stage, shown, keep, editor } = ready;
+        let PreparedCharacter { mut stage, shown, keeps_camera_and_motion: keep, editor } = ready;
         if self.document.open_editor(&shown.hair, editor) {
             // The brush would prepare the other hair at once, as another step.
             self.viewport.tool = Tool::Hand;

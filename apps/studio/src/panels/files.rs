@@ -94,7 +94,8 @@ fn row(companion: &Companion, name: Option<&str>, ui: &mut Ui) -> Option<RowActi
             ui.label(RichText::new(companion.title).color(color)).on_hover_text(companion.hint);
         });
         let width = ui.available_width() - 26.0;
-        let text = name.map_or(RichText::new("none").color(theme::QUIET), |name| RichText::new(last(name)));
+        let text =
+            name.map_or(RichText::new("none").color(theme::QUIET), |name| RichText::new(file_name(name)));
         let button = Button::new(text).truncate().min_size(egui::vec2(width, 0.0));
         let help = name.unwrap_or(companion.hint);
         ui.scope(|ui| {
@@ -162,7 +163,7 @@ fn more(document: &mut Document, companion: &Companion, ui: &mut Ui) {
 }
 
 /// Returns the last component of a path.
-pub fn last(name: &str) -> &str {
+pub fn file_name(name: &str) -> &str {
     name.rsplit(['/', '\\']).next().unwrap_or(name)
 }
 
@@ -178,6 +179,9 @@ mod tests {
         }
         let knobs = SECTIONS.iter().flat_map(|section| section.knobs);
         assert_eq!(knobs.filter(|knob| knob.path.starts_with("lights.environment")).count(), 2);
-        assert_eq!((last("a/b.png:r"), last("noise"), last("c:\\d.png")), ("b.png:r", "noise", "d.png"));
+        assert_eq!(
+            (file_name("a/b.png:r"), file_name("noise"), file_name("c:\\d.png")),
+            ("b.png:r", "noise", "d.png")
+        );
     }
 }

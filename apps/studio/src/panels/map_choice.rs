@@ -1,6 +1,6 @@
 //! Dialog that asks which scalp map a dropped image is.
 
-use crate::{document::Document, messages::Messages, panels::files::last, theme};
+use crate::{document::Document, messages::Messages, panels::files::file_name, theme};
 use eframe::egui::{self, Align2, Key, RichText, Ui, vec2};
 use tresses_scene::{
     Companion, Shelf,
@@ -52,7 +52,7 @@ pub fn show(choices: &mut Vec<MapChoice>, document: &mut Document, messages: &mu
 /// Returns the scalp map that the user clicked.
 fn contents(choice: &mut MapChoice, ui: &mut Ui) -> Option<&'static Companion> {
     ui.set_width(300.0);
-    ui.add(egui::Label::new(RichText::new(last(&choice.name)).strong()).truncate())
+    ui.add(egui::Label::new(RichText::new(file_name(&choice.name)).strong()).truncate())
         .on_hover_text(&choice.name);
     let mut selected = None;
     let maps = |kind: CompanionKind| COMPANION_FILES.iter().filter(move |companion| companion.kind == kind);

@@ -161,7 +161,7 @@ impl Avoidance {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
         options.check()?;
-        let params = bindings::uniform(device, "avoid", size_of::<AvoidParams>());
+        let params = bindings::uniform_buffer(device, "avoid", size_of::<AvoidParams>());
         let states = states(context, strands)?;
         let groups = pipelines.bind(&params, &states, guides, strands);
         Ok(Self { pipelines, options, clearance, params, states, groups })

@@ -166,7 +166,7 @@ impl Body {
 
     fn of(asset: Arc<BodyAsset>, vertices: wgpu::Buffer) -> Self {
         let device = &asset.context.device;
-        let uniform = bindings::uniform(device, "body", size_of::<BodyUniform>());
+        let uniform = bindings::uniform_buffer(device, "body", size_of::<BodyUniform>());
         let buffers = [&uniform, &vertices, &asset.surface.buffer].map(wgpu::Buffer::as_entire_binding);
         Self {
             material: BodyMaterial::default(),

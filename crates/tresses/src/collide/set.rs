@@ -162,7 +162,7 @@ impl ColliderSet {
     /// The errors of [`replace`](Self::replace).
     pub(crate) fn of(fields: &FieldAtlas, colliders: &[Collider]) -> Result<Self> {
         let device = &fields.context.device;
-        let table = bindings::uniform(device, "collider shapes", size_of::<ShapeTable>());
+        let table = bindings::uniform_buffer(device, "collider shapes", size_of::<ShapeTable>());
         let poses = storage::<PoseData>(device, "collider places", pose_capacity(1))?;
         let mut set = Self {
             group: bind(device, &table, &poses, &fields.atlas, &deform::none(device)),
@@ -405,7 +405,7 @@ fn bind(
     atlas: &Atlas,
     deformed: &wgpu::Texture,
 ) -> wgpu::BindGroup {
-    let sampler = bindings::linear(device);
+    let sampler = bindings::linear_sampler(device);
     device.group(
         "colliders",
         &layout(device),

@@ -203,11 +203,11 @@ pub fn layout(
     stages: wgpu::ShaderStages,
     entries: &[Binding],
 ) -> wgpu::BindGroupLayout {
-    numbered(device, label, stages, (0..).zip(entries.iter().map(|entry| entry.ty())))
+    numbered_layout(device, label, stages, (0..).zip(entries.iter().map(|entry| entry.ty())))
 }
 
 /// Creates a layout of bindings with their numbers, visible to `stages`.
-pub(super) fn numbered(
+pub(super) fn numbered_layout(
     device: &wgpu::Device,
     label: &str,
     stages: wgpu::ShaderStages,
@@ -278,7 +278,7 @@ impl Device {
 
 /// Creates a buffer of `size` bytes that is written through the queue, for values that are constant for a dispatch or
 /// draw. Shaders bind it as `var<uniform>`, or as `var<storage, read>` if the values alone decide loops or branches.
-pub fn uniform(device: &wgpu::Device, label: &str, size: usize) -> wgpu::Buffer {
+pub fn uniform_buffer(device: &wgpu::Device, label: &str, size: usize) -> wgpu::Buffer {
     device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size: size as u64,
@@ -288,7 +288,7 @@ pub fn uniform(device: &wgpu::Device, label: &str, size: usize) -> wgpu::Buffer 
 }
 
 /// Creates a sampler with linear filtering and clamping, for grids.
-pub fn linear(device: &wgpu::Device) -> wgpu::Sampler {
+pub fn linear_sampler(device: &wgpu::Device) -> wgpu::Sampler {
     device.create_sampler(&wgpu::SamplerDescriptor {
         label: Some("linear"),
         mag_filter: wgpu::FilterMode::Linear,

@@ -56,7 +56,7 @@ impl Kernel {
             device: device.clone(),
             module,
             modules: B::MODULES,
-            layout: bindings::numbered(device, module, wgpu::ShaderStages::COMPUTE, layout),
+            layout: bindings::numbered_layout(device, module, wgpu::ShaderStages::COMPUTE, layout),
             shared: shared.iter().map(|layout| (*layout).clone()).collect(),
             pipeline: OnceLock::new(),
         }

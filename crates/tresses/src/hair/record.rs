@@ -197,7 +197,8 @@ impl Hair {
 
     /// Returns the physics at the current level of detail.
     fn coarse(&self, physics: &SimulationParams) -> SimulationParams {
-        let Detail { step, substep_scale: substeps, together, .. } = *self.lod.current();
+        let Detail { step_scale: step, substep_scale: substeps, self_collision_scale: together, .. } =
+            *self.lod.current();
         let mut hair_hair = physics.hair_hair;
         if together < 1.0 {
             hair_hair.speed *= together;

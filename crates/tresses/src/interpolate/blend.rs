@@ -75,7 +75,7 @@ impl Interpolation {
     pub fn new(context: &Context, guides: &GuideBuffers, strands: &StrandBuffers) -> Self {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
-        let params = bindings::uniform(device, "interpolate", size_of::<InterpolateParams>());
+        let params = bindings::uniform_buffer(device, "interpolate", size_of::<InterpolateParams>());
         let group = pipelines.blend.bind(&kernels::Blend {
             params: params.entire(),
             samples: guides.samples.entire(),
@@ -97,7 +97,7 @@ impl Interpolation {
     ) -> Self {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
-        let params = bindings::uniform(device, "interpolate", size_of::<InterpolateParams>());
+        let params = bindings::uniform_buffer(device, "interpolate", size_of::<InterpolateParams>());
         let group = pipelines.follow.bind(&kernels::Follow {
             walk: tessellation.walk(guides),
             drawn: params.entire(),

@@ -171,12 +171,12 @@ impl HairSet {
         if model == ShadingModel::Fiber {
             let fiber = &self.material.fiber;
             let mut tables = self.fiber();
-            if Arc::strong_count(&tables) > 1 && tables.holds_others(&fiber.shape, fiber.density_back) {
-                *tables = Arc::new(tables.empty());
+            if Arc::strong_count(&tables) > 1 && tables.is_stale_for(&fiber.shape, fiber.density_back) {
+                *tables = Arc::new(tables.new_empty());
             }
             tables.fill(&fiber.shape, fiber.density_back);
             let absorption = 0.5 * (fiber.root_absorption + fiber.tip_absorption);
-            (tables.passes(absorption), fiber.density_forward.clamp(0.0, 1.0))
+            (tables.forward_fraction(absorption), fiber.density_forward.clamp(0.0, 1.0))
         } else {
             (Vec3::splat(1.0 - self.material.opacity.clamp(0.0, 1.0)), 1.0)
         }
@@ -286,7 +286,7 @@ impl HairShading {
             hair.asset.scratch.clone().filter(|scratch| scratch.size() >= sample_capacity * SAMPLE_BYTES);
         let own = || storage::<u8>(device, "knots of strands", sample_capacity * SAMPLE_BYTES);
         let (lent, shading_samples) = (lent.is_some(), lent.map_or_else(own, Ok)?);
-        let uniform = bindings::uniform(device, "hair", size_of::<HairUniform>());
+        let uniform = bindings::uniform_buffer(device, "hair", size_of::<HairUniform>());
         let own = [&uniform, vertices, strands, &colors].map(wgpu::Buffer::as_entire_binding);
         let [hair_maps, hair_blocks] = state.maps.hair_buffers().map(BindBuffer::entire);
         let (lights, cells) = (state.lights.entire(), state.ambient.sums().entire());

@@ -231,7 +231,7 @@ impl Lights {
             method: method as u32,
             strand_map: 0,
             ambient: 0,
-            maps: shadows.maps(count) as u32,
+            maps: shadows.map_count(count) as u32,
             strand_by_strand: if shadows.is_enabled { shadows.strand_by_strand.clamp(0.0, 1.0) } else { 0.0 },
             environment: self.environment.coefficients.map(|c| c.extend(0.0)),
             ambient_origin: focus.center - focus.radius,

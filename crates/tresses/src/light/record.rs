@@ -30,7 +30,7 @@ impl LightState {
         // Without shadows the maps stay empty. Empty deep opacity maps are the cheapest to read.
         let method = if shadows.is_enabled { renderer.shadows() } else { ShadowMethod::DeepOpacity };
         let mut uniform = lights.uniform((shadows, method), focus, resolution);
-        if shadows.follows_ambient() {
+        if shadows.computes_ambient() {
             uniform.ambient = self.ambient.cells();
         }
         if shadows.is_enabled && method == ShadowMethod::DeepOpacity && shadows.strand_by_strand > 0.0 {
@@ -51,11 +51,11 @@ impl LightState {
         FrameLight {
             casts: shadows.is_enabled,
             method,
-            maps: shadows.maps(lights.active().count()),
+            maps: shadows.map_count(lights.active().count()),
             strands: if uniform.strand_map > 0 { uniform.count as usize } else { 0 },
             across: shadows.hair_texels(method, texel),
             stray: texel.min(shadow::STRAY * shadows.bias),
-            ambient: shadows.follows_ambient(),
+            ambient: shadows.computes_ambient(),
             every: uniform.every,
             matrices: uniform.shadow,
             range: uniform.range,

@@ -10,7 +10,7 @@ use glam::Mat4;
 use super::{
     FrameLight, ImportedShadows, MAX_LIGHTS, Pipelines,
     lights::{LightsUniform, SHADOW_MAPS},
-    shadows::DEEP_FINEST,
+    shadows::MIN_DEEP_OPACITY_TEXEL,
 };
 use crate::{
     Context, Result,
@@ -120,7 +120,7 @@ impl ShadowMaps {
         };
         let hair = buffer(
             "hair in shadow maps",
-            SHADOW_MAPS as u64 * map_words(ShadowMethod::DeepOpacity, resolution, DEEP_FINEST),
+            SHADOW_MAPS as u64 * map_words(ShadowMethod::DeepOpacity, resolution, MIN_DEEP_OPACITY_TEXEL),
         );
         let blocks = buffer("hair blocks", block_words(resolution).max(strand_words(MAX_LIGHTS, strand_map)));
         let comparison = device.create_sampler(&wgpu::SamplerDescriptor {
@@ -148,8 +148,8 @@ impl ShadowMaps {
     /// Returns the bytes of GPU memory of maps of `resolution`² texels.
     pub(super) fn bytes_of(resolution: u32) -> u64 {
         let resolution = Self::within(resolution);
-        let words =
-            u64::from(resolution).pow(2) + map_words(ShadowMethod::DeepOpacity, resolution, DEEP_FINEST);
+        let words = u64::from(resolution).pow(2)
+            + map_words(ShadowMethod::DeepOpacity, resolution, MIN_DEEP_OPACITY_TEXEL);
         SHADOW_MAPS as u64 * (4 * words + STEP) + 4 * block_words(resolution)
     }
 

@@ -43,14 +43,14 @@ impl Default for Shadows {
 
 impl Shadows {
     /// Whether ambient light is computed. Without shadows there is no need: all of the sky arrives.
-    pub(crate) fn follows_ambient(&self) -> bool {
+    pub(crate) fn computes_ambient(&self) -> bool {
         self.has_ambient && self.is_enabled
     }
 
     /// Returns the number of maps for `lights` lights that are on. The last map is the sky's. It exists only where sky
     /// visibility is estimated.
-    pub(crate) fn maps(&self, lights: usize) -> usize {
-        lights + usize::from(!self.follows_ambient())
+    pub(crate) fn map_count(&self, lights: usize) -> usize {
+        lights + usize::from(!self.computes_ambient())
     }
 
     /// Returns the width of a texel of the hair maps, in texels of a depth map, which are `texel` meters wide. Hair
@@ -60,11 +60,11 @@ impl Shadows {
     pub(crate) fn hair_texels(&self, method: ShadowMethod, texel: f32) -> u32 {
         let texels = |radii: f32| (radii * self.hair_radius / texel).round() as u32;
         match method {
-            ShadowMethod::DeepOpacity => texels(0.866).clamp(DEEP_FINEST, 64),
+            ShadowMethod::DeepOpacity => texels(0.866).clamp(MIN_DEEP_OPACITY_TEXEL, 64),
             ShadowMethod::Opaque | ShadowMethod::Absorption => texels(0.333).clamp(1, 64),
         }
     }
 }
 
 /// Minimum width of a deep opacity map's texel, in texels of a depth map.
-pub(crate) const DEEP_FINEST: u32 = 3;
+pub(crate) const MIN_DEEP_OPACITY_TEXEL: u32 = 3;

@@ -1,7 +1,7 @@
 //! Light of one view: its shadow maps, its ambient light, and the uniform of both.
 
 use super::{Ambient, Pipelines, ShadowMaps, lights::LightsUniform};
-use crate::{Context, gpu::bindings::uniform, shaders::kernels::light as kernels};
+use crate::{Context, gpu::bindings::uniform_buffer, shaders::kernels::light as kernels};
 use std::sync::Arc;
 
 /// Light of a view on the GPU.
@@ -26,7 +26,7 @@ impl LightState {
     ) -> Self {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
-        let lights = uniform(device, "lights", size_of::<LightsUniform>());
+        let lights = uniform_buffer(device, "lights", size_of::<LightsUniform>());
         let maps = ShadowMaps::new(context, &pipelines, [resolution, strand_map]);
         let ambient = Ambient::new(context, &pipelines.ambient, cells, maps.transmittance(&lights));
         let frame = frame_resources(camera, &lights, &maps, &ambient);

@@ -54,7 +54,7 @@ pub struct Zone {
     pub pose: Pose,
     /// Interval in frames between updates of ambient light; 0 and 1 for every frame. Ambient light is also updated when
     /// the contents change, or move by a cell relative to the focus.
-    pub every: u32,
+    pub ambient_interval: u32,
 }
 
 /// Coarsest and finest maps of [`Zone::for_camera`], texels along each edge.
@@ -94,14 +94,14 @@ impl Zone {
         let resolution = (RESOLUTIONS[0] << (octaves as u32).min(16)).min(RESOLUTIONS[1]);
         let cells =
             CELLS.into_iter().rev().find(|cells| *cells as f32 * CELL_PIXELS <= pixels).unwrap_or(CELLS[0]);
-        let every = if pixels >= EVERY_FRAME_PIXELS {
+        let ambient_interval = if pixels >= EVERY_FRAME_PIXELS {
             1
         } else if pixels >= 0.5 * EVERY_FRAME_PIXELS {
             2
         } else {
             3
         };
-        Self { focus, resolution, cells, hair, bodies, every, pose: Pose::IDENTITY }
+        Self { focus, resolution, cells, hair, bodies, ambient_interval, pose: Pose::IDENTITY }
     }
 
     /// Returns a zone around `focus` for `counts` grooms and meshes, if they are so far from `camera` that fewer texels
@@ -119,7 +119,7 @@ impl Zone {
         let threshold = if was_far { FAR_HYSTERESIS * FAR_PIXELS } else { FAR_PIXELS };
         let is_far = focus.pixels(camera) * (-coarser).exp2() < threshold;
         let [hair, bodies] = counts.map(|count| (0..count).collect());
-        let zone = Self { focus, resolution, cells, hair, bodies, every: 1, pose: Pose::IDENTITY };
+        let zone = Self { focus, resolution, cells, hair, bodies, ambient_interval: 1, pose: Pose::IDENTITY };
         (is_far && sizes != finest).then_some(zone)
     }
 
@@ -195,7 +195,7 @@ impl Zones {
 
     /// Marks the ambient light that these parts update as computed. Call it once per frame.
     pub fn mark_recorded(&self, parts: &[Part<'_>]) {
-        for part in parts.iter().filter(|part| part.fresh) {
+        for part in parts.iter().filter(|part| part.updates_ambient) {
             if let Some(kept) = (part.number as usize).checked_sub(1).and_then(|i| self.list.get(i)) {
                 *kept.ambient_zone() = Some(kept.zone.clone());
             }
@@ -211,7 +211,7 @@ impl Zones {
         [hair, bodies]: [usize; 2],
     ) -> Vec<Part<'a>> {
         let (all_hair, all_bodies) = ((0..hair).collect(), (0..bodies).collect());
-        let all = Part { number: 0, light, focus, hair: all_hair, bodies: all_bodies, fresh: true };
+        let all = Part { number: 0, light, focus, hair: all_hair, bodies: all_bodies, updates_ambient: true };
         let Some(zones) = zones.filter(|zones| !zones.list.is_empty()) else { return vec![all] };
         let frame = zones.frame_count.load(Ordering::Relaxed);
         let zones = &zones.list;
@@ -228,10 +228,10 @@ impl Zones {
             let [free_hair, free_bodies] = &mut free;
             let number = parts.len() as u32 + 1;
             // The zones update in turn.
-            let due = frame.wrapping_add(number).is_multiple_of(zone.every.max(1));
+            let due = frame.wrapping_add(number).is_multiple_of(zone.ambient_interval.max(1));
             parts.push(Part {
                 number,
-                fresh: due || kept.ambient_zone().is_none(),
+                updates_ambient: due || kept.ambient_zone().is_none(),
                 light,
                 focus: zone.focus,
                 hair: claim(&mut { zone_hair }, free_hair),
@@ -263,12 +263,12 @@ pub(crate) struct Part<'a> {
     pub hair: Vec<usize>,
     pub bodies: Vec<usize>,
     /// Whether the frame recomputes the ambient light.
-    pub fresh: bool,
+    pub updates_ambient: bool,
 }
 
 impl Part<'_> {
     /// Returns the items of `all`, grooms or meshes, at the indices in `list`.
-    pub fn of<T: Copy>(list: &[usize], all: &[T]) -> Vec<T> {
+    pub fn select<T: Copy>(list: &[usize], all: &[T]) -> Vec<T> {
         list.iter().filter_map(|i| all.get(*i).copied()).collect()
     }
 }
@@ -288,7 +288,7 @@ mod tests {
         };
         let sizes = [1.0, 2.0, 5.0, 12.0, 20.0, 40.0].map(|away| [zone(away).resolution, zone(away).cells]);
         assert_eq!(sizes, [[1024, 24], [1024, 24], [512, 24], [256, 12], [256, 12], [256, 12]]);
-        assert_eq!([1.0, 2.0, 5.0, 12.0].map(|away| zone(away).every), [1, 1, 2, 3]);
+        assert_eq!([1.0, 2.0, 5.0, 12.0].map(|away| zone(away).ambient_interval), [1, 1, 2, 3]);
     }
 
     #[test]
@@ -302,7 +302,7 @@ mod tests {
         let finest = [1024, 24];
         assert_eq!([0.6, 2.0, 9.2].map(|away| far(away, 0.0, finest, None)), [const { None }; 3]);
         let zone = far(15.0, 0.0, finest, None).unwrap();
-        assert_eq!([zone.resolution, zone.cells, zone.every], [512, 20, 1]);
+        assert_eq!([zone.resolution, zone.cells, zone.ambient_interval], [512, 20, 1]);
         assert_eq!((&zone.hair[..], &zone.bodies[..]), (&[0, 1][..], &[0][..]));
         // The threshold is 9.4 m. A head that approaches crosses it at 8.5 m.
         assert_eq!(far(9.2, 0.0, finest, Some(&zone)).as_ref(), Some(&zone));

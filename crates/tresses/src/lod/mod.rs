@@ -108,13 +108,13 @@ pub struct Detail {
     /// Number of segments per strand; may be fractional.
     pub segment_count: f32,
     /// Factor on the length of a fixed step.
-    pub step: f32,
+    pub step_scale: f32,
     /// Maximum distance of a guide that is not simulated from a simulated one, meters; 0 simulates all guides.
     pub guide_distance: f32,
     /// Factor on the number of substeps.
     pub substep_scale: f32,
     /// Factor on the strength of self-collision.
-    pub together: f32,
+    pub self_collision_scale: f32,
     /// Blend weights of the painted levels.
     pub levels: [f32; MAX_LEVELS],
 }
@@ -320,10 +320,10 @@ impl Lod {
                 deeper: [1.0; 2],
                 depth_offset: 0.0,
                 segment_count: tables.segments as f32,
-                step: 1.0,
+                step_scale: 1.0,
                 guide_distance: 0.0,
                 substep_scale: 1.0,
-                together: 1.0,
+                self_collision_scale: 1.0,
                 levels: [1.0, 0.0, 0.0, 0.0],
             },
             before: 0,
@@ -440,10 +440,10 @@ impl Lod {
             deeper: [before, behind],
             depth_offset,
             segment_count: segments,
-            step,
+            step_scale: step,
             guide_distance: if auto { options.guides * coarse } else { 0.0 },
             substep_scale: substeps,
-            together,
+            self_collision_scale: together,
             levels,
         }
     }

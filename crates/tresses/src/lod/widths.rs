@@ -93,7 +93,7 @@ impl WidthStage {
     /// Binds `lods` to the strands of one head.
     pub fn new(context: &Context, lods: &wgpu::Buffer, buffers: &StrandBuffers) -> Self {
         let pipeline: Arc<Widths> = context.pipelines();
-        let params = bindings::uniform(&context.device, "widths", size_of::<WidthParams>());
+        let params = bindings::uniform_buffer(&context.device, "widths", size_of::<WidthParams>());
         let group = pipeline.0.bind(&kernels::Widths {
             params: params.entire(),
             lods: lods.entire(),

@@ -148,7 +148,7 @@ impl PresentState {
     ) -> Self {
         let Context { device, .. } = context;
         use wgpu::BindingResource::TextureView;
-        let uniform = crate::gpu::bindings::uniform(device, "present", size_of::<PresentUniform>());
+        let uniform = crate::gpu::bindings::uniform_buffer(device, "present", size_of::<PresentUniform>());
         let footprint = (targets.samples > 1 && !renderer.is_tiles()).then(|| {
             let footprint = match renderer {
                 Renderer::Masks(_) => Footprint::disc(targets.samples),

@@ -165,7 +165,7 @@ impl Roots {
         let pipelines: Arc<Pipelines> = context.pipelines();
         // One element more than there are guides: kernels read the buffer only if it is longer than their number.
         guides.roots = buffer(device, "guide roots", u64::from(guides.count) + 1)?;
-        let uniform = bindings::uniform(device, "roots", size_of::<RootsUniform>());
+        let uniform = bindings::uniform_buffer(device, "roots", size_of::<RootsUniform>());
         let surface = kernels::Surface {
             u: uniform.entire(),
             positions: skin.positions.0.entire(),

@@ -25,7 +25,10 @@ pub(crate) struct ForcesKernel {
 impl ForcesKernel {
     pub fn new(context: &Context) -> Self {
         let Context { device, .. } = context;
-        Self { kernel: Kernel::new::<kernels::Forces>(&context.device), sampler: bindings::linear(device) }
+        Self {
+            kernel: Kernel::new::<kernels::Forces>(&context.device),
+            sampler: bindings::linear_sampler(device),
+        }
     }
 }
 
@@ -64,7 +67,8 @@ impl Forces {
     pub fn new(context: &Context, guides: &GuideBuffers, volume: &Volume, air: Option<&Air>) -> Self {
         let Context { device, .. } = context;
         let pipelines: Arc<super::Pipelines> = context.pipelines();
-        let uniforms = bindings::uniform(device, "forces of the air", (AIR_STRIDE * MAX_STEPS) as usize);
+        let uniforms =
+            bindings::uniform_buffer(device, "forces of the air", (AIR_STRIDE * MAX_STEPS) as usize);
         // Calm air samples nothing, so any texture will do.
         let [texture, among] = air.map_or([&volume.hair; 2], |air| [&air.view, &air.among]);
         let group = pipelines.forces.kernel.bind(&kernels::Forces {

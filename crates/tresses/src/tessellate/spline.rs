@@ -101,7 +101,7 @@ impl Tessellation {
     pub fn new(context: &Context, guides: &GuideBuffers) -> Self {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
-        let params = bindings::uniform(device, "tessellate", size_of::<TessellateParams>());
+        let params = bindings::uniform_buffer(device, "tessellate", size_of::<TessellateParams>());
         let bindings = kernels::Spline { walk: walk(&params, guides), samples: guides.samples.entire() };
         Self { group: pipelines.kernel.bind(&bindings), pipelines, params }
     }

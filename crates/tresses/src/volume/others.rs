@@ -44,7 +44,7 @@ impl Volume {
             if let Some(known) = known {
                 return Neighbor { transform, closing, ..before.swap_remove(known) };
             }
-            let uniforms = bindings::uniform(device, "volume steps", (STRIDE * MAX_STEPS) as usize);
+            let uniforms = bindings::uniform_buffer(device, "volume steps", (STRIDE * MAX_STEPS) as usize);
             let (rested, cells) = (volume.rested.entire(), self.cells.entire());
             let splat = splat(&self.pipelines, &uniforms, guides, rested, cells);
             let guides = (*guides.current).clone();

@@ -165,8 +165,8 @@ impl Volume {
         let pipelines: Arc<Pipelines> = context.pipelines();
         let n = u64::from(asset.grid.resolution).pow(3);
         let vertices = u64::from(guides.count) * u64::from(guides.vertex_count);
-        let uniforms = bindings::uniform(device, "volume steps", (STRIDE * (MAX_STEPS + 1)) as usize);
-        let blur = bindings::uniform(device, "volume blur", size_of::<Blur>());
+        let uniforms = bindings::uniform_buffer(device, "volume steps", (STRIDE * (MAX_STEPS + 1)) as usize);
+        let blur = bindings::uniform_buffer(device, "volume blur", size_of::<Blur>());
         let obstacles = storage::<f32>(device, "volume obstacles", n)?;
         let rest = storage::<f32>(device, "volume rest", n)?;
         let rested = storage::<f32>(device, "volume rested", vertices)?;

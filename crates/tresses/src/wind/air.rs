@@ -11,7 +11,7 @@ use crate::{
     Context, Error, Pose, Result,
     clock::{MAX_STEPS, Mode, Step, Steps},
     collide::ColliderSet,
-    gpu::bindings::uniform,
+    gpu::bindings::uniform_buffer,
     space::Field,
 };
 use bytemuck::Zeroable;
@@ -103,7 +103,8 @@ impl Air {
                 unit: "cells along an axis",
             });
         }
-        let uniforms = uniform(device, "air steps", STRIDE as usize * (MAX_STEPS * MAX_SPLIT) as usize);
+        let uniforms =
+            uniform_buffer(device, "air steps", STRIDE as usize * (MAX_STEPS * MAX_SPLIT) as usize);
         let grids = Grids::new(device, cells);
         let groups = grids.bind(context, &pipelines, &uniforms, hair_grid);
         Ok(Self {

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     Context,
-    gpu::{BindBuffer, bindings::uniform, grid::grid_texture},
+    gpu::{BindBuffer, bindings::uniform_buffer, grid::grid_texture},
     shaders::kernels::wind as kernels,
 };
 use bytemuck::Zeroable;
@@ -89,7 +89,7 @@ impl Grids {
         let (u, linear_sampler) =
             (uniforms.part(0, Some(size_of::<WindUniforms>() as u64)), &pipelines.sampler);
         let half_of = |half: HalfSweep| {
-            let buffer = uniform(&context.device, "air half", size_of::<HalfSweep>());
+            let buffer = uniform_buffer(&context.device, "air half", size_of::<HalfSweep>());
             context.queue.write_buffer(&buffer, 0, bytemuck::bytes_of(&half));
             buffer
         };

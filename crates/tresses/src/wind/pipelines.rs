@@ -28,7 +28,7 @@ impl PipelineSet for Pipelines {
             gather: Kernel::new::<kernels::Gather>(device),
             relax: Kernel::new::<kernels::Relax>(device),
             project: Kernel::new::<kernels::Project>(device),
-            sampler: bindings::linear(device),
+            sampler: bindings::linear_sampler(device),
         }
     }
 

@@ -132,5 +132,5 @@ fn the_level_of_detail_leaves_cards_whole() {
     assert_eq!(drawn[0], drawn[1]);
     assert_eq!(drawn[0].0, cards.hair().strands.count);
     // The motion still has levels of detail.
-    assert!(cards.hair().lod.current().step > 1.0);
+    assert!(cards.hair().lod.current().step_scale > 1.0);
 }

@@ -128,7 +128,7 @@ fn zone_light_equals_view_light() {
             hair: vec![i],
             bodies: vec![i],
             pose: Pose::IDENTITY,
-            every: 1,
+            ambient_interval: 1,
         };
         let alone = common::drawn(&view, &scene, &[&first], &[&body]);
         view.set_zones(&[zone(focus, 0)]);
@@ -345,7 +345,8 @@ fn levels_of_detail_keep_the_budget() {
             let mut all: Vec<_> = heads.iter_mut().enumerate().map(|(i, hair)| (hair, place(i))).collect();
             let new = budget.look_from(&costs, &camera, &mut all, Some(bias), &held);
             assert!(
-                (new.bias - bias).abs() <= tresses::low_level::FASTEST + 1e-6 || new.bytes <= budget.bytes
+                (new.bias - bias).abs() <= tresses::low_level::MAX_BIAS_CHANGE + 1e-6
+                    || new.bytes <= budget.bytes
             );
             bias = new.bias;
             chosen = Some(new);
@@ -370,7 +371,7 @@ fn levels_of_detail_keep_the_budget() {
     assert!(chosen.fits && chosen.bytes <= less.bytes && chosen.bias > 0.0, "{chosen:?}");
     let nothing = Budget { milliseconds: 1e-3, ..Budget::default() };
     let chosen = choose(&nothing, 80);
-    assert!(!chosen.fits && chosen.bias == tresses::low_level::COARSEST, "{chosen:?}");
+    assert!(!chosen.fits && chosen.bias == tresses::low_level::MAX_BUDGET_BIAS, "{chosen:?}");
     let free = choose(&Budget::default(), 80);
     assert_eq!(free.bias, 0.0, "what is allowed is used again");
 }
@@ -403,7 +404,7 @@ fn linear(byte: u8) -> f64 {
 }
 
 /// Mean luminance of a head in zones with this many texels and cells, relative to the maps and cells of a portrait.
-/// Prints the figures of docs/validation/levels.md and checks that the sizes that `Zone::seen` chooses suffice.
+/// Prints the figures of docs/validation/levels.md and checks that the sizes that `Zone::for_camera` chooses suffice.
 #[test]
 #[ignore = "proof"]
 fn zones_are_as_bright_as_finer_maps() {
@@ -440,7 +441,7 @@ fn zones_are_as_bright_as_finer_maps() {
             }
         }
         for (i, [luminance, texels, cells]) in sums.iter().enumerate() {
-            let chosen = if i == 0 { " (`Zone::seen`)" } else { "" };
+            let chosen = if i == 0 { " (`Zone::for_camera`)" } else { "" };
             println!("| {away} m | {texels}{chosen} | {cells} | {:+.1} % |", 100.0 * (luminance - 1.0));
         }
         assert!((sums[0][0] - 1.0).abs() < 0.02, "{away} m: {}", sums[0][0]);
@@ -477,7 +478,7 @@ fn distant_heads_do_not_flicker() {
             let mut zone = Zone::for_camera(focus, &camera, 0.0, vec![0], vec![0]);
             // With a fixed interval the zone's pose stays the same, so that turning the head does not trigger updates.
             match every {
-                Some(every) => zone.every = every,
+                Some(every) => zone.ambient_interval = every,
                 None => zone.pose = turn(i),
             }
             view.set_zones(&[zone]);

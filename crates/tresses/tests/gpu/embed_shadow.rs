@@ -383,7 +383,7 @@ fn told(setup: &Setup<'_>, points: &[Vec3], normal: Vec3) -> Vec<Vec4> {
         contents: bytemuck::cast_slice(&points),
         usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
     });
-    let facing = bindings::uniform(device, "normal", 16);
+    let facing = bindings::uniform_buffer(device, "normal", 16);
     queue.write_buffer(&facing, 0, bytemuck::bytes_of(&normal.extend(0.0).to_array()));
     let group =
         bindings::group(device, "points", &own, &[buffer.as_entire_binding(), facing.as_entire_binding()]);

@@ -105,7 +105,7 @@ fn drift(positions: &[Vec3], field: &SdfGrid, stiffness: &[f32], shape: RestShap
         stiffness.iter().map(|&stiffness| GuideTraits { stiffness, ..GuideTraits::default() }).collect();
     let strands: Vec<_> = positions.chunks(GUIDE_VERTICES).map(<[Vec3]>::to_vec).collect();
     let mut e = Experiment::new(lab, &strands, &traits, params, shape, Some(field));
-    e.still((3.0 / params.step) as usize);
+    e.run_still((3.0 / params.step) as usize);
     let mut moved: Vec<f32> =
         positions.iter().zip(e.positions().concat()).map(|(a, b)| a.distance(b)).collect();
     moved.sort_by(f32::total_cmp);

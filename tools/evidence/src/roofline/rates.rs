@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use serde::Serialize;
 use tresses::{
     Gpu,
-    low_level::{Clock, bindings::uniform},
+    low_level::{Clock, bindings::uniform_buffer},
 };
 use tresses_cli::bench::table::{ms, table};
 
@@ -139,7 +139,7 @@ pub fn measure(gpu: &Gpu, clock: Clock) -> Result<Rates> {
         })
     };
     let [source, target, sums, words] = [bytes, bytes, 4 << 16, 4096].map(buffer);
-    let iterations = uniform(device, "iterations", 4);
+    let iterations = uniform_buffer(device, "iterations", 4);
     queue.write_buffer(&iterations, 0, &(ITERATIONS as u32).to_le_bytes());
     let texture = device.create_texture(&wgpu::TextureDescriptor {
         label: Some("rates"),

@@ -48,7 +48,7 @@ impl Groom {
         if !(1..=MAX_WIDTH as usize).contains(&width) {
             return Err(format!("its values have {width} numbers, but at most {MAX_WIDTH} are supported"));
         }
-        let Some(scope) = param.per(width, curves, points) else {
+        let Some(scope) = param.find_scope(width, curves, points) else {
             return Err(format!("its {param} fit neither {curves} curves nor {points} points"));
         };
         let of = |i: usize| param.flat[i * width..][..width].iter().copied();

@@ -135,7 +135,7 @@ impl Groom {
                 self.habits.widths.push(name);
                 return Ok(Some(varying.into_iter().map(|value| Vec3::new(value, 0.0, 0.0)).collect()));
             }
-            let Some(per) = param.per(width, curves, points) else {
+            let Some(per) = param.find_scope(width, curves, points) else {
                 self.misfit(name, &param, curves, points);
                 continue;
             };

@@ -27,7 +27,7 @@ pub(in crate::formats) enum AttributeScope {
 
 impl Param {
     /// Returns the values at `indices`, `width` numbers each. Fails with the first invalid index.
-    pub fn picked(values: &[f32], indices: &[i64], width: usize) -> Result<Vec<f32>, i64> {
+    pub fn gather(values: &[f32], indices: &[i64], width: usize) -> Result<Vec<f32>, i64> {
         let mut flat = Vec::with_capacity(indices.len());
         for index in indices {
             let start = usize::try_from(*index).ok().and_then(|i| i.checked_mul(width));
@@ -38,7 +38,7 @@ impl Param {
     }
 
     /// Returns the scope of values of `width` numbers each; `None` if their count fits no scope.
-    pub fn per(&self, width: usize, curves: usize, points: usize) -> Option<AttributeScope> {
+    pub fn find_scope(&self, width: usize, curves: usize, points: usize) -> Option<AttributeScope> {
         let count = self.flat.len() / width.max(1);
         let fits = |scope| match scope {
             AttributeScope::All => count == 1,
@@ -64,7 +64,7 @@ impl Param {
     /// the count fits no scope. `starts` has the index of the first point of each curve, and the end of the last curve.
     pub fn per_curve<const N: usize>(&self, width: usize, starts: &[u32]) -> Option<Vec<[f32; N]>> {
         let (curves, points) = (starts.len() - 1, starts.last().map_or(0, |end| *end as usize));
-        let scope = self.per(width, curves, points)?;
+        let scope = self.find_scope(width, curves, points)?;
         let index = |i: usize| match scope {
             AttributeScope::All => 0,
             AttributeScope::Curve => i,
@@ -148,7 +148,7 @@ mod tests {
     fn scope_follows_number_of_values() {
         // Two curves of four and seven points.
         let starts = [0, 4, 11];
-        let find_scope = |count: usize, scope| param(&vec![1.0; count], scope).per(1, 2, 11);
+        let find_scope = |count: usize, scope| param(&vec![1.0; count], scope).find_scope(1, 2, 11);
         assert_eq!(
             [1, 2, 11, 3].map(|n| find_scope(n, None)),
             [Some(AttributeScope::All), Some(AttributeScope::Curve), Some(AttributeScope::Point), None]

@@ -17,7 +17,7 @@ const GUIDE: u32 = 1;
 /// Bit of the extension's `flags`: the tip is pinned to the head, as the root is.
 const TIP_PINNED: u32 = 2;
 /// The extension for compressed buffer views.
-const PACKED: &str = "EXT_meshopt_compression";
+const MESHOPT_COMPRESSION: &str = "EXT_meshopt_compression";
 
 /// Returns whether a file has hair. Searches the bytes: `.glb` and `.gltf` both store their JSON as plain text.
 pub(super) fn is_groom(_: &Path, bytes: &[u8]) -> bool {

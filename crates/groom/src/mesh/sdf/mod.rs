@@ -17,7 +17,7 @@
 //! Flood filling from outside, the usual way to find signs, leaks through the first hole. The parity of ray crossings
 //! makes speckles behind every hole.
 
-mod lids;
+mod caps;
 mod signs;
 mod skin;
 #[cfg(test)]
@@ -78,7 +78,7 @@ pub async fn build_with(mesh: &TriMesh, options: &SdfOptions, progress: &impl Pr
     let skin = Bvh::new(&skin::boundary(&mesh, &grid, &field, &solid, progress).await);
     let mut distances = unsigned(&grid, &skin, progress).await;
     progress.step(TASK, 0.95).await;
-    lids::close(&grid, &field, &solid, &mut distances);
+    caps::close(&grid, &field, &solid, &mut distances);
     grid.distances = distances.iter().zip(&solid).map(|(d, s)| if *s { -d } else { *d }).collect();
     Ok(grid)
 }

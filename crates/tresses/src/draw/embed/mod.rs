@@ -35,7 +35,7 @@ use crate::{
     Context, Error, Result,
     gpu::{
         Binding, Device,
-        bindings::{layout, uniform},
+        bindings::{layout, uniform_buffer},
         commands::{cleared, colored},
         pipeline::{Recipe, blended},
     },
@@ -258,7 +258,7 @@ impl Compositor {
             geometry: geometry.build(device)?,
             composite_layout,
             geometry_layout,
-            uniform: uniform(device, "embed", size_of::<EmbedUniform>()),
+            uniform: uniform_buffer(device, "embed", size_of::<EmbedUniform>()),
             shade: shade::Caster::new(context, format),
         })
     }

@@ -185,7 +185,7 @@ impl SoftTargets {
         };
         let max_points = u64::from(width) * u64::from(height);
         let points = buffer("soft points", 4 * WORDS * max_points, wgpu::BufferUsages::COPY_DST);
-        let uniform = bindings::uniform(device, "soft", size_of::<SoftUniform>());
+        let uniform = bindings::uniform_buffer(device, "soft", size_of::<SoftUniform>());
         let buffers = [&uniform, &points].map(wgpu::Buffer::as_entire_binding);
         Self {
             size,

@@ -5,7 +5,7 @@ use crate::{
     Result,
     constants::{TILE, TILE_BINS, TILE_BLOCK, TILE_ROUNDS},
     draw::canvas::{HDR_FORMAT, TextureKind},
-    gpu::{BindBuffer, BufferBinding, bindings::uniform},
+    gpu::{BindBuffer, BufferBinding, bindings::uniform_buffer},
     strands::buffers::storage,
 };
 use bytemuck::{Pod, Zeroable};
@@ -150,7 +150,7 @@ impl TileBuffers {
             }),
             depths: storage::<u32>(device, "depths of lists", u64::from(TILE_ROUNDS) + 2 * count)?,
             rounds,
-            grid: uniform(device, "grid of tiles", size_of::<TileGrid>()),
+            grid: uniform_buffer(device, "grid of tiles", size_of::<TileGrid>()),
         })
     }
 

@@ -3,7 +3,7 @@
 use super::texels::Texels;
 use crate::{
     draw::canvas::Canvas,
-    gpu::{BindBuffer, Kernel, bindings::uniform, commands::bytes},
+    gpu::{BindBuffer, Kernel, bindings::uniform_buffer, commands::bytes},
     shaders::kernels::draw::tiles as kernels,
     space::Space,
 };
@@ -58,7 +58,7 @@ impl Geometry {
         let texture = canvas.target.texture()(("hair's geometry", FORMAT, usage));
         let texture = texture.create_view(&Default::default());
         let before = points.like(device, "points before");
-        let uniform = uniform(device, "geometry of hair", size_of::<GeometryUniform>());
+        let uniform = uniform_buffer(device, "geometry of hair", size_of::<GeometryUniform>());
         let view = before.create_view(&Default::default());
         let group = kernel.bind(&kernels::Geometry {
             fine,

@@ -12,7 +12,7 @@ use crate::{
     Context, Result,
     constants::TILE,
     draw::canvas::Canvas,
-    gpu::{BindBuffer, bindings::uniform},
+    gpu::{BindBuffer, bindings::uniform_buffer},
     light::{HairView, ShadingSubset},
     shaders::kernels::draw::tiles as bound,
     strands::buffers::storage,
@@ -250,7 +250,7 @@ impl GroomPoints {
         first: u32,
     ) -> Result<Self> {
         let context = canvas.commands.context();
-        let part = uniform(&context.device, "part of the points", size_of::<PointRange>());
+        let part = uniform_buffer(&context.device, "part of the points", size_of::<PointRange>());
         let project = kernels.project.bind(&bound::Project {
             view: canvas.eye.entire(),
             grid: tiles.grid.entire(),

@@ -46,7 +46,7 @@ use crate::{
     Context, Result,
     body::{self, Body},
     constants::{AMBIENT_STRANDS, STRAND_WORKGROUP},
-    gpu::{BindBuffer, Commands, Kernel, bindings::linear, grid::grid_texture},
+    gpu::{BindBuffer, Commands, Kernel, bindings::linear_sampler, grid::grid_texture},
     shaders::kernels::light::{Transmittance, ambient as kernels},
     strands::DrawCount,
 };
@@ -140,7 +140,7 @@ impl Ambient {
         let weights = storage("ambient weights", 4 * count);
         let format = wgpu::TextureFormat::Rgba16Float;
         let (_, result) = grid_texture(device, "ambient", format, [cells, cells, LAYERS * cells]);
-        let sampler = linear(device);
+        let sampler = linear_sampler(device);
         let (lights, sum) = (transmittance.lights, sums.entire());
         let (settled, fields, weights) = (settled.entire(), fields.entire(), weights.entire());
         let ambient = bindings(&result, &sampler);

@@ -76,19 +76,19 @@ impl FiberTables {
             &[
                 wgpu::BindingResource::TextureView(&view(&azimuthal)),
                 wgpu::BindingResource::TextureView(&view(&mean)),
-                wgpu::BindingResource::Sampler(&bindings::linear(device)),
+                wgpu::BindingResource::Sampler(&bindings::linear_sampler(device)),
             ],
         );
         Self { context: context.clone(), azimuthal, mean, group, build: Mutex::new(None) }
     }
 
     /// Creates a second, empty set of tables.
-    pub(crate) fn empty(&self) -> Self {
+    pub(crate) fn new_empty(&self) -> Self {
         Self::new(&self.context)
     }
 
     /// Whether the tables are filled, but for another shape or density.
-    pub(crate) fn holds_others(&self, shape: &FiberShape, density: f32) -> bool {
+    pub(crate) fn is_stale_for(&self, shape: &FiberShape, density: f32) -> bool {
         let build = self.build.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         build.as_ref().is_some_and(|build| build.key != (shape.clamped(), density))
     }
@@ -118,7 +118,7 @@ impl FiberTables {
 
     /// Returns the fraction of ambient light that a fiber scatters forward, per color channel; zero before the tables
     /// are filled. `absorption` is per fiber radius.
-    pub(crate) fn passes(&self, absorption: Vec3) -> Vec3 {
+    pub(crate) fn forward_fraction(&self, absorption: Vec3) -> Vec3 {
         let build = self.build.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let Some(TableBuild { forward, .. }) = &*build else { return Vec3::ZERO };
         let fraction = |sigma: f32| {

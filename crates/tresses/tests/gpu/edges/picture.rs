@@ -55,11 +55,11 @@ impl<'a> Studio<'a> {
 
     /// Renders `hair` alone: RGBA, rows from the top.
     pub fn picture(&self, scene: &Picture, hair: &HairSet) -> Vec<[u8; 4]> {
-        self.with(scene, hair, &[])
+        self.picture_with_bodies(scene, hair, &[])
     }
 
     /// Renders `hair` alone. Returns the image and the number of dispatches that find visible segments.
-    pub fn counted(&self, scene: &Picture, hair: &HairSet) -> (Vec<[u8; 4]>, u32) {
+    pub fn picture_and_dispatch_count(&self, scene: &Picture, hair: &HairSet) -> (Vec<[u8; 4]>, u32) {
         let mut timings = Timings::by(wall);
         let mut encoder = self.context.device().create_command_encoder(&Default::default());
         let mut recorder = self.context.recorder(&mut encoder).with_timings(Some(&mut timings));
@@ -77,7 +77,7 @@ impl<'a> Studio<'a> {
     }
 
     /// Renders `hair` and `bodies`: RGBA, rows from the top.
-    pub fn with(&self, scene: &Picture, hair: &HairSet, bodies: &[&Body]) -> Vec<[u8; 4]> {
+    pub fn picture_with_bodies(&self, scene: &Picture, hair: &HairSet, bodies: &[&Body]) -> Vec<[u8; 4]> {
         let bytes = common::picture(self.context, &self.view, scene, &[hair], bodies);
         bytes.as_chunks().0.to_vec()
     }

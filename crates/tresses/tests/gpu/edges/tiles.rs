@@ -242,10 +242,10 @@ fn image_does_not_depend_on_the_previous_frame() {
         let mut before = Vec::new();
         for (i, (groom, scene)) in pictures.into_iter().enumerate() {
             let own = usize::from(std::ptr::eq(groom, &thin));
-            let shown = studio.with(scene, &hair[own].0, &[&ball]).as_flattened().to_vec();
+            let shown = studio.picture_with_bodies(scene, &hair[own].0, &[&ball]).as_flattened().to_vec();
             let alone = Studio::new(context, mode, SIZE);
             let (own, _strands) = alone.hair(groom);
-            let alone = alone.with(scene, &own, &[&ball]).as_flattened().to_vec();
+            let alone = alone.picture_with_bodies(scene, &own, &[&ball]).as_flattened().to_vec();
             assert!(shown == alone, "{i}");
             assert!(i < 2 || shown != before, "{i}: there is something to see");
             before = shown;
@@ -269,11 +269,15 @@ fn image_does_not_depend_on_the_recorded_rounds() {
     for distance in path {
         let camera = Camera::look_at(Vec3::Z * distance, Vec3::ZERO, 0.4, SIZE);
         let scene = Picture { camera, ..scene() };
-        let (shown, dispatches) = studio.counted(&scene, &hair);
+        let (shown, dispatches) = studio.picture_and_dispatch_count(&scene, &hair);
         seen.push(dispatches / 7);
         let alone = Studio::new(context, TILES_1, SIZE);
         let (hair, _strands) = alone.hair(&groom);
-        assert_eq!(alone.counted(&scene, &hair).1, 4 * 7, "nothing is known of a first picture");
+        assert_eq!(
+            alone.picture_and_dispatch_count(&scene, &hair).1,
+            4 * 7,
+            "nothing is known of a first picture"
+        );
         while !alone.is_complete() {
             alone.picture(&scene, &hair);
         }
@@ -295,7 +299,7 @@ fn body_outlines_in_front_of_hair_are_smooth() {
     let shown = |m| {
         let studio = Studio::new(context, m, SIZE);
         let (hair, _strands) = studio.hair(&groom);
-        studio.with(&view, &hair, &[&cube]).as_flattened().to_vec()
+        studio.picture_with_bodies(&view, &hair, &[&cube]).as_flattened().to_vec()
     };
     let exact = shown(mode("64 samples", Renderer::masks(4), 4));
     let [many, one, peeled, masks] =

@@ -118,7 +118,7 @@ fn slower_steps(stage: &Setup, groom: &Groom, field: &SdfGrid, degrees: f32) {
         (1..=120)
             .map(|i| {
                 let t = i as f32 / 60.0;
-                hair.set_detail(Detail { step: slow(t), ..full });
+                hair.set_detail(Detail { step_scale: slow(t), ..full });
                 stage.advance(&mut hair, pose(t), 1.0 / 60.0);
                 common::vertices(&hair)
             })

@@ -31,8 +31,9 @@ fn on_planes(lab: &'static Lab, n: usize, frictions: &[f32]) -> Experiment {
     let what =
         ColliderDescriptor { fields: &[FieldSource::Grid(&plane)], colliders: &planes, ..Default::default() };
     let at = (0..frictions.len()).map(|i| Pose { translation: middle(i), ..Pose::IDENTITY }).collect();
-    let mut e = Experiment::new(lab, &strands, &[], params, RestShape::Natural, None).among(&what, at);
-    e.still(20);
+    let mut e =
+        Experiment::new(lab, &strands, &[], params, RestShape::Natural, None).with_colliders(&what, at);
+    e.run_still(20);
     e
 }
 
@@ -48,7 +49,7 @@ fn incline(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let mut e = on_planes(lab, 3, &ratios.iter().map(|of| of * MU * wrong).collect::<Vec<_>>());
     let start = e.positions();
     e.params.gravity = tilted(MU);
-    e.still(240);
+    e.run_still(240);
     let slipped: Vec<f32> = start.iter().zip(e.positions()).map(|(a, b)| a[2].distance(b[2])).collect();
     let first = slipped.iter().position(|way| *way < 1e-3).expect("some stick");
     // Hair with more friction than hair that sticks does not slip.
@@ -63,17 +64,17 @@ fn incline(lab: &'static Lab, fault: bool) -> Vec<Row> {
     )];
     // Pushed along the plane, the tip slows down like a brick. The edge keeps it at its distance from the root.
     let mut e = on_planes(lab, 3, &[MU * wrong]);
-    e.throw(&[vec![Vec3::ZERO, Vec3::ZERO, Vec3::X]]);
+    e.set_velocities(&[vec![Vec3::ZERO, Vec3::ZERO, Vec3::X]]);
     let steps = 3;
-    e.still(steps);
+    e.run_still(steps);
     let lost = 1.0 - e.velocities()[0][2].length();
     let braked = lost / (steps as f32 * e.params.step);
     rows.push(near("sliding at 1 m/s on a plane, deceleration", "m/s²", f64::from(MU * G), braked, 0.03));
     let mut e = on_planes(lab, 16, &[MU]);
     e.params.gravity = tilted(MU * if fault { 1.2 } else { 0.95 });
-    e.still(60);
+    e.run_still(60);
     let before = e.positions();
-    e.still(300);
+    e.run_still(300);
     let after = e.positions();
     let moved = before[0].iter().zip(&after[0]).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
     rows.push(at_most("incline of 0.95 of that tangent, creep in 5 s", "mm", 0.02, moved * 1e3));
@@ -108,23 +109,23 @@ fn capstan(lab: &'static Lab, fault: bool) -> Vec<Row> {
     for (case, speed, mu) in [("pulled over", -0.01f32, MU), ("let down over", 0.01, -MU)] {
         let params = SimulationParams { friction, drag: 1.0, ..bare(0.0) };
         let strand = over(n, a, left, right);
-        let mut e = Experiment::new(lab, &[strand], &[], params, RestShape::Natural, None).among(
+        let mut e = Experiment::new(lab, &[strand], &[], params, RestShape::Natural, None).with_colliders(
             &ColliderDescriptor { colliders: &[Collider::new(shape)], ..Default::default() },
             vec![pose],
         );
-        e.still(30);
+        e.run_still(30);
         let steps = |from: usize, to: usize| -> Vec<_> {
             let at = |i: usize| head_at(Vec3::Y * speed * params.step * i as f32);
             (from..to).map(|i| super::lab::step(at(i), at(i + 1))).collect()
         };
-        e.steps(&steps(0, 60));
+        e.run_steps(&steps(0, 60));
         // Pull of the first edge over weight per length, averaged over the time in which several vertices move onto the
         // cylinder.
         let edge = e.rest.info[0].length / (n - 1) as f32;
         let rate = e.params.stretch_rate(e.rest.info[0].length, edge);
         let (mut pulls, mut exact, mut count) = (0.0, 0.0, 0);
         for i in 60..120 {
-            e.steps(&steps(i, i + 1));
+            e.run_steps(&steps(i, i + 1));
             let p = &e.positions()[0];
             let pull = rate * (p[1].distance(p[2]) - e.rest.shape[1].length) * edge / G;
             // Hanging lengths: on the right all hair below the axis, on the left the hair from the middle of the edge.

@@ -74,8 +74,10 @@ fn away(e: &Experiment, head: &Pose) -> Vec<f32> {
     let mut away: Vec<f32> = e
         .positions()
         .iter()
-        .zip(&e.at_rest())
-        .map(|(now, rest)| now[e.n - 1].distance(head.point(rest[e.n - 1])) / length(rest))
+        .zip(&e.rest_positions())
+        .map(|(now, rest)| {
+            now[e.vertex_count - 1].distance(head.point(rest[e.vertex_count - 1])) / length(rest)
+        })
         .collect();
     away.sort_by(f32::total_cmp);
     away
@@ -105,7 +107,7 @@ fn rest(lab: &'static Lab, subjects: impl IntoIterator<Item = Subject>, fault: b
             // Twice the gravity for which the rest shape was computed.
             e.params.gravity *= 2.0;
         }
-        e.still(if fault { 60 } else { 600 });
+        e.run_still(if fault { 60 } else { 600 });
         let drift = away(&e, &Pose::IDENTITY);
         let case = format!("{}, at rest for 10 s, largest drift of a tip", s.name);
         rows.push(at_most(case, UNIT, 1.0, drift[drift.len() - 1] * 100.0));
@@ -128,7 +130,7 @@ fn print_drift_after_a_shake() {
             raised.len(),
             s.strands.len()
         );
-        e.moved(3.3, |t| Pose::about(s.neck, Quat::from_rotation_y(angle(SHAKE, t))));
+        e.run_motion(3.3, |t| Pose::about(s.neck, Quat::from_rotation_y(angle(SHAKE, t))));
         report(&format!("{}, 2 s after it was shaken", s.name), &away(&e, &Pose::IDENTITY));
     }
 }
@@ -149,7 +151,7 @@ fn print_drift_of_other_grooms() {
         let strands: Vec<_> = (0..groom.guides.len()).map(|i| groom.guides.guide(i).to_vec()).collect();
         let params = SimulationParams::default();
         let mut e = Experiment::new(lab, &strands, &[], params, RestShape::SagFree, None);
-        e.still(600);
+        e.run_still(600);
         report(&format!("{file}, at rest for 10 s"), &away(&e, &Pose::IDENTITY));
     }
 }

@@ -73,7 +73,7 @@ pub struct Experiment {
     pub params: SimulationParams,
     pub rest: RestGuides,
     /// Vertices per strand.
-    pub n: usize,
+    pub vertex_count: usize,
     /// Poses of the colliders of [`among`](Self::among).
     pub obstacles: ColliderPoses,
     guides: GuideBuffers,
@@ -92,11 +92,12 @@ impl Experiment {
         shape: RestShape,
         field: Option<&SdfGrid>,
     ) -> Self {
-        let n = strands[0].len();
+        let vertex_count = strands[0].len();
         let options = RestOptions { shape, ..Default::default() };
-        let rest = rest::guides(&strands.concat(), n as u32, traits, &params, &options, field).unwrap();
+        let rest =
+            rest::guides(&strands.concat(), vertex_count as u32, traits, &params, &options, field).unwrap();
         let context = lab.context;
-        let mut guides = GuideBuffers::new(context, strands.len() as u32, n as u32, 2).unwrap();
+        let mut guides = GuideBuffers::new(context, strands.len() as u32, vertex_count as u32, 2).unwrap();
         if params.twist > 0.0 {
             guides.add_twist(context).unwrap();
         }
@@ -105,11 +106,11 @@ impl Experiment {
         let colliders = ColliderSet::new(context, &descriptor).unwrap();
         let simulation = Simulation::new(context, &guides);
         let (obstacles, clock) = (ColliderPoses::default(), StepClock::default());
-        Self { colliders, lab, params, rest, n, obstacles, guides, simulation, clock }
+        Self { colliders, lab, params, rest, vertex_count, obstacles, guides, simulation, clock }
     }
 
     /// Replaces the head's field by the colliders of `descriptor`, with the poses `poses`.
-    pub fn among(mut self, descriptor: &ColliderDescriptor<'_>, poses: Vec<Pose>) -> Self {
+    pub fn with_colliders(mut self, descriptor: &ColliderDescriptor<'_>, poses: Vec<Pose>) -> Self {
         let context = self.lab.context;
         self.colliders = ColliderSet::new(context, descriptor).unwrap();
         self.obstacles.colliders = poses;
@@ -122,7 +123,7 @@ impl Experiment {
     }
 
     /// Runs fixed steps, in batches of at most [`MAX_STEPS`].
-    pub fn steps(&mut self, steps: &[Step]) {
+    pub fn run_steps(&mut self, steps: &[Step]) {
         let context = self.lab.context;
         for steps in steps.chunks(MAX_STEPS as usize) {
             let (substeps, head) = (self.params.substep_count, steps[steps.len() - 1].end);
@@ -135,22 +136,22 @@ impl Experiment {
     }
 
     /// Runs `count` steps with a still head.
-    pub fn still(&mut self, count: usize) {
-        self.steps(&vec![step(Pose::IDENTITY, Pose::IDENTITY); count]);
+    pub fn run_still(&mut self, count: usize) {
+        self.run_steps(&vec![step(Pose::IDENTITY, Pose::IDENTITY); count]);
     }
 
     /// Runs `seconds` in fixed steps. `motion` gives the head's pose at each time.
-    pub fn moved(&mut self, seconds: f32, motion: impl Fn(f32) -> Pose) {
+    pub fn run_motion(&mut self, seconds: f32, motion: impl Fn(f32) -> Pose) {
         let count = (seconds / self.params.step).round() as usize;
         let at = |i: usize| motion(i as f32 * self.params.step);
         let steps: Vec<_> = (0..count).map(|i| step(at(i), at(i + 1))).collect();
-        self.steps(&steps);
+        self.run_steps(&steps);
     }
 
     /// Advances by a frame: runs the steps that are due `dt` seconds after the last frame, with the head now at `head`.
     pub fn frame(&mut self, dt: f32, head: Pose) {
         let ticks = self.clock.tick(dt, self.params.step, &head);
-        self.steps(&ticks.steps);
+        self.run_steps(&ticks.steps);
     }
 
     /// Returns the positions of the vertices by strand, meters.
@@ -171,16 +172,18 @@ impl Experiment {
         let context = self.lab.context;
         let all: Vec<T> = readback::buffer(context, buffer).unwrap();
         let count = self.count();
-        (0..count).map(|strand| (0..self.n).map(|i| unpack(&all[i * count + strand])).collect()).collect()
+        (0..count)
+            .map(|strand| (0..self.vertex_count).map(|i| unpack(&all[i * count + strand])).collect())
+            .collect()
     }
 
     /// Sets the positions of the vertices by strand, meters.
-    pub fn place(&self, positions: &[Vec<Vec3>]) {
+    pub fn set_positions(&self, positions: &[Vec<Vec3>]) {
         self.write(&self.guides.current, positions, |p| p.extend(0.0).to_array().map(f32::to_bits));
     }
 
     /// Sets the velocities of the vertices by strand, m/s.
-    pub fn throw(&self, velocities: &[Vec<Vec3>]) {
+    pub fn set_velocities(&self, velocities: &[Vec<Vec3>]) {
         self.write(&self.guides.velocity, velocities, pack_velocity);
     }
 
@@ -190,16 +193,16 @@ impl Experiment {
         values: &[Vec<Vec3>],
         pack: impl Fn(Vec3) -> [u32; N],
     ) {
-        let vertices = (0..self.n).flat_map(|i| values.iter().map(move |strand| strand[i]));
+        let vertices = (0..self.vertex_count).flat_map(|i| values.iter().map(move |strand| strand[i]));
         let bytes: Vec<u8> = vertices.flat_map(pack).flat_map(u32::to_le_bytes).collect();
         self.lab.context.queue().write_buffer(buffer, 0, &bytes);
     }
 
     /// Returns the rest positions of the vertices by strand, meters, in groom space.
-    pub fn at_rest(&self) -> Vec<Vec<Vec3>> {
+    pub fn rest_positions(&self) -> Vec<Vec<Vec3>> {
         let count = self.count();
         let position = |strand: usize, i: usize| self.rest.rest[i * count + strand].position;
-        (0..count).map(|strand| (0..self.n).map(|i| position(strand, i)).collect()).collect()
+        (0..count).map(|strand| (0..self.vertex_count).map(|i| position(strand, i)).collect()).collect()
     }
 }
 

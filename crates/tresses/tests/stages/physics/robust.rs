@@ -34,8 +34,8 @@ fn helix(n: usize) -> Vec<Vec3> {
 /// Returns the kinetic, potential, stretching and bending energy per mass of an edge, J/kg.
 fn energy(e: &Experiment, guide: usize) -> f32 {
     let (p, v) = (&e.positions()[guide], &e.velocities()[guide]);
-    let (n, count) = (e.n, e.count());
-    let rest = &e.at_rest()[guide];
+    let (n, count) = (e.vertex_count, e.count());
+    let rest = &e.rest_positions()[guide];
     let shape = |i: usize| e.rest.shape[i * count + guide];
     let edge = length(rest) / (n - 1) as f32;
     let mut sum = 0.0;
@@ -77,7 +77,7 @@ fn energies(lab: &'static Lab, fault: bool) -> Vec<Row> {
                 // Throw the strands upwards.
                 e.params.gravity = Vec3::Y * 98.1;
             }
-            e.still(1);
+            e.run_still(1);
             e.params.gravity = params.gravity;
             let now = all(&e);
             for ((rise, now), last) in rise.iter_mut().zip(&now).zip(&last) {
@@ -124,11 +124,11 @@ fn length_for(fault: bool) -> f32 {
 /// Returns the largest strain over `count` steps of `motion`, which takes the number of the step. Checks every `every`
 /// steps.
 fn worst(e: &mut Experiment, count: usize, every: usize, motion: impl Fn(usize) -> Pose) -> f32 {
-    let rest = strands(e.n);
+    let rest = strands(e.vertex_count);
     let mut worst = 0f32;
     for i in (0..count).step_by(every) {
         let steps: Vec<_> = (i..count.min(i + every)).map(|i| step(motion(i), motion(i + 1))).collect();
-        e.steps(&steps);
+        e.run_steps(&steps);
         worst = worst.max(strain(&e.positions(), &rest));
     }
     worst
@@ -206,7 +206,7 @@ fn teleports_carry_the_hair() {
 fn spikes(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let mut rows = Vec::new();
     for (name, mut e) in subjects(lab, length_for(fault)) {
-        let rest = strands(e.n);
+        let rest = strands(e.vertex_count);
         let nod = |t: f32| Pose::about(Vec3::Y * -0.1, Quat::from_rotation_y(0.7 * (4.0 * t).sin()));
         let (mut t, mut strained) = (0f32, 0f32);
         e.frame(0.0, nod(0.0));

@@ -28,7 +28,7 @@ fn catenary(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let traits = [GuideTraits { is_tip_pinned: true, ..Default::default() }; 3];
     let params = SimulationParams { drag: 4.0, ..bare(0.0) };
     let mut e = Experiment::new(lab, &strands, &traits, params, RestShape::Natural, None);
-    e.still(600);
+    e.run_still(600);
     let mut rows = Vec::new();
     for ((ratio, sag, slope), strand) in cases.into_iter().zip(e.positions()) {
         let tan = |i: usize| (strand[i].y - strand[i + 1].y) / (strand[i + 1].x - strand[i].x);
@@ -58,7 +58,7 @@ fn cantilever(lab: &'static Lab, fault: bool) -> Vec<Row> {
     for n in [16, 32] {
         let strands = vec![straight(n, length, Vec3::X); 3];
         let mut e = Experiment::new(lab, &strands, &traits, params, RestShape::Natural, None);
-        e.still(900);
+        e.run_still(900);
         for ((g, drop, reach), strand) in cases.into_iter().zip(e.positions()) {
             let case = |what| format!("heavy cantilever, Γ = {g}, {n} vertices, {what} / length");
             let tip = strand[n - 1] / length;
@@ -86,17 +86,17 @@ fn buckling(lab: &'static Lab, fault: bool) -> Vec<Row> {
         gammas.iter().map(|g| GuideTraits { stiffness: 1.0 / g, ..Default::default() }).collect();
     let strands = vec![straight(n, length, Vec3::Y); gammas.len()];
     let mut e = Experiment::new(lab, &strands, &traits, params, RestShape::Natural, None);
-    let mut start = e.at_rest();
+    let mut start = e.rest_positions();
     for strand in &mut start {
         for p in &mut strand[2..] {
             let s = p.y / length;
             p.x = 1e-3 * s * s * (3.0 - s);
         }
     }
-    e.place(&start);
-    e.still(60);
+    e.set_positions(&start);
+    e.run_still(60);
     let before = e.positions();
-    e.still(60);
+    e.run_still(60);
     let after = e.positions();
     // The lean decays below the critical load and grows above it.
     let growth: Vec<f32> = before.iter().zip(&after).map(|(b, a)| (a[n - 1].x / b[n - 1].x).ln()).collect();
@@ -124,7 +124,7 @@ fn wind(lab: &'static Lab, fault: bool) -> Vec<Row> {
         };
         let strand = straight(n, length, Vec3::NEG_Y);
         let mut e = Experiment::new(lab, &[strand], &[], params, RestShape::Natural, None);
-        e.still(900);
+        e.run_still(900);
         let tip = e.positions()[0][n - 1];
         let found = (tip.x / -tip.y).atan().to_degrees();
         let case = format!("floppy strand in wind of {:.2} m/s, drag {drag} 1/s, angle", wind.x);
@@ -139,9 +139,9 @@ fn wind(lab: &'static Lab, fault: bool) -> Vec<Row> {
     };
     let strand = straight(n, length, Vec3::X);
     let mut e = Experiment::new(lab, &[strand], &[], params, RestShape::Natural, None);
-    e.throw(&[vec![Vec3::NEG_Y * terminal; n]]);
+    e.set_velocities(&[vec![Vec3::NEG_Y * terminal; n]]);
     let way = |t: f32| head_at(Vec3::NEG_Y * terminal * t);
-    e.moved(2.0, way);
+    e.run_motion(2.0, way);
     let sag = (e.positions()[0][n - 1] - way(2.0).translation).y / length;
     rows.push(at_most(
         "horizontal floppy strand sinking at g / drag, tip after 2 s",
@@ -167,15 +167,17 @@ fn free_fall(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let params = SimulationParams { step: 1.0 / 240.0, substep_count: 1, ..bare(8e-9) };
     let mut e = Experiment::new(lab, &strands, &[], params, RestShape::Natural, None);
     // The head's mean velocity over a step is its velocity in the middle of the step.
-    e.throw(&vec![vec![Vec3::Y * G * 0.5 * params.step; n]; 3]);
+    e.set_velocities(&vec![vec![Vec3::Y * G * 0.5 * params.step; n]; 3]);
     let g = G * if fault { 0.95 } else { 1.0 };
     // From a meter above the origin to a meter below, because positions are rounded in world coordinates.
     let way = |t: f32| head_at(Vec3::Y * (1.0 - 0.5 * g * t * t));
     let seconds = 0.625;
-    let start = e.at_rest();
-    e.place(&start.iter().map(|s| s.iter().map(|p| way(0.0).point(*p)).collect()).collect::<Vec<_>>());
-    e.moved(seconds, way);
-    let (now, rest) = (e.positions(), e.at_rest());
+    let start = e.rest_positions();
+    e.set_positions(
+        &start.iter().map(|s| s.iter().map(|p| way(0.0).point(*p)).collect()).collect::<Vec<_>>(),
+    );
+    e.run_motion(seconds, way);
+    let (now, rest) = (e.positions(), e.rest_positions());
     let head = way(seconds).translation;
     let shape =
         now.iter().zip(&rest).flat_map(|(a, b)| a.iter().zip(b)).map(|(a, b)| (*a - head).distance(*b));

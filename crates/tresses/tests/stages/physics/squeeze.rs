@@ -38,7 +38,7 @@ fn play(
         let at: Vec<_> = keys.iter().map(|keys| along(keys, i as f32 * e.params.step)).collect();
         let moved = e.obstacles.colliders.iter_mut().rev().zip(at.iter().rev());
         moved.for_each(|(pose, at)| pose.translation = *at);
-        e.still(1);
+        e.run_still(1);
         for x in &e.positions()[0][2..] {
             deepest = deepest.max(-x.y);
             through += usize::from(passed(*x, &at));
@@ -61,9 +61,9 @@ fn on_a_plane(lab: &'static Lab) -> Experiment {
     let params = SimulationParams { friction: 0.4, drag: 1.0, ..bare(8e-9) };
     let above = Pose { translation: Vec3::new(0.0, 0.06, 0.1), ..pose };
     let shape = RestShape::SagFree;
-    let mut e =
-        Experiment::new(lab, &[strand], &[], params, shape, None).among(&what, vec![Pose::IDENTITY, above]);
-    e.still(20);
+    let mut e = Experiment::new(lab, &[strand], &[], params, shape, None)
+        .with_colliders(&what, vec![Pose::IDENTITY, above]);
+    e.run_still(20);
     e
 }
 
@@ -104,7 +104,7 @@ fn between_fingers(lab: &'static Lab, fault: bool) -> Vec<Row> {
         let strand = straight(16, 0.2, Vec3::NEG_Y);
         let params = SimulationParams { friction: 0.4, drag: 1.0, ..bare(8e-9) };
         let mut e = Experiment::new(lab, &[strand], &[], params, RestShape::SagFree, None)
-            .among(&what, vec![pose; 2]);
+            .with_colliders(&what, vec![pose; 2]);
         let closed = FINGER - 2e-3 - if fault { 3.0 * FINGER } else { 0.0 };
         let time = 0.05 / speed;
         let keys = [-1.0f32, 1.0].map(|side| {

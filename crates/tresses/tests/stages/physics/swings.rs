@@ -28,7 +28,7 @@ pub fn period(samples: &[f32], dt: f32) -> f32 {
 fn record<T>(e: &mut Experiment, count: usize, measure: impl Fn(&[Vec<Vec3>]) -> T) -> Vec<T> {
     (0..count)
         .map(|_| {
-            e.still(1);
+            e.run_still(1);
             measure(&e.positions())
         })
         .collect()
@@ -42,11 +42,11 @@ fn pendulum(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let run = |params: SimulationParams, steps| {
         let strand = straight(3, length, Vec3::NEG_Y);
         let mut e = Experiment::new(lab, &vec![strand; 3], &[], params, RestShape::Natural, None);
-        let mut start = e.at_rest();
+        let mut start = e.rest_positions();
         for (strand, (angle, _)) in start.iter_mut().zip(factors) {
             strand[2] = Quat::from_rotation_z(angle.to_radians()) * strand[2];
         }
-        e.place(&start);
+        e.set_positions(&start);
         let samples = record(&mut e, steps, |p| [p[0][2].x, p[1][2].x, p[2][2].x]);
         [0, 1, 2].map(|k| period(&samples.iter().map(|s| s[k]).collect::<Vec<_>>(), params.step))
     };
@@ -123,13 +123,13 @@ fn chain(lab: &'static Lab, fault: bool) -> Vec<Row> {
         let mut e = Experiment::new(lab, &vec![strand; 3], &[], params, RestShape::SagFree, None);
         // A mode has the shape J0(j sqrt(z / L)), with z from the tip.
         let shape = |k: usize, y: f32| j0(zeros[k] * ((length + y).max(0.0) / length).sqrt());
-        let mut start = e.at_rest();
+        let mut start = e.rest_positions();
         for (k, strand) in start.iter_mut().enumerate() {
             for p in &mut strand[2..] {
                 p.x = 1e-3 * shape(k, p.y);
             }
         }
-        e.place(&start);
+        e.set_positions(&start);
         let samples =
             record(&mut e, 600, |p| [0, 1, 2].map(|k| p[k].iter().map(|p| p.x * shape(k, p.y)).sum::<f32>()));
         for (k, zero) in zeros.iter().enumerate() {
@@ -167,11 +167,11 @@ fn vibration(lab: &'static Lab, fault: bool) -> Vec<Row> {
             let mut e = Experiment::new(lab, &[strand], &[], params, RestShape::Natural, None);
             // Starts close to the first mode, and measures the projection onto it.
             let shape = |s: f32| s * s * (3.0 - s);
-            let mut start = e.at_rest();
+            let mut start = e.rest_positions();
             for p in &mut start[0][2..] {
                 p.y = 1e-3 * shape(p.x / length);
             }
-            e.place(&start);
+            e.set_positions(&start);
             let samples =
                 record(&mut e, 480, |p| p[0].iter().map(|p| p.y * shape(p.x / length)).sum::<f32>());
             let found = period(&samples, params.step);

@@ -51,7 +51,7 @@ fn springs(lab: &'static Lab, cases: &[(usize, f32)], fault: bool) -> Vec<Row> {
         let params = SimulationParams { twist, gravity, bending_damping: 0.01, drag: 2.0, ..bare(BENDING) };
         let p = helix(n);
         let mut e = Experiment::new(lab, std::slice::from_ref(&p), &[], params, RestShape::Natural, None);
-        e.still(1200);
+        e.run_still(1200);
         let sunk = p[n - 1].y - e.positions()[0][n - 1].y;
         let wanted = SimulationParams { gravity: Vec3::NEG_Y * 0.25, ..params };
         let exact = f64::from(sinks(&p, &wanted, twist));
@@ -88,7 +88,7 @@ fn bows(lab: &'static Lab, fault: bool) -> Vec<Row> {
         let stiff = if fault { 1.2 * twist } else { twist };
         let params = SimulationParams { twist: stiff, gravity, drag: 4.0, ..bare(BENDING) };
         let mut e = Experiment::new(lab, &[p], &[], params, RestShape::Natural, None);
-        e.still(900);
+        e.run_still(900);
         let exact = params.line_density * 0.2 * radius.powi(4) / BENDING
             * (0.5 + (PI * PI / 8.0 - FRAC_PI_2 + 0.5) / twist);
         let case = format!("quarter of a circle, flat, clamped, twist {twist}, sinks by");
@@ -118,12 +118,12 @@ fn curls_spring_back() {
         let mut begin = turn(0.0);
         for i in 1..=60 {
             let end = turn(i as f32 / 60.0);
-            e.steps(&[super::lab::step(begin, end)]);
+            e.run_steps(&[super::lab::step(begin, end)]);
             begin = end;
             let now = &e.positions()[0];
             longest = longest.max((now[23] - now[0]).dot(end.rotation * Vec3::NEG_Y));
         }
-        e.moved(6.0, |_| begin);
+        e.run_motion(6.0, |_| begin);
         let off =
             e.positions()[0].iter().zip(&p).map(|(a, b)| a.distance(begin.point(*b))).fold(0.0, f32::max);
         (longest, off)

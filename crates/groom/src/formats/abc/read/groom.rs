@@ -43,7 +43,7 @@ fn read<'a>(
         None => None,
     };
     if let Some(indices) = indices {
-        flat = Param::picked(&flat, &indices.integers(archive, time)?, extent).map_err(|index| {
+        flat = Param::gather(&flat, &indices.integers(archive, time)?, extent).map_err(|index| {
             let problem = format!("{name} has no value {index}; there are {}", flat.len() / extent.max(1));
             archive.source.problem(indices.at(), problem)
         })?;

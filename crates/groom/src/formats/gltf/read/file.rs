@@ -10,7 +10,7 @@ use gltf::json::{
 use crate::{
     error::{At, Error, Result},
     formats::{
-        gltf::{HAIR, PACKED},
+        gltf::{HAIR, MESHOPT_COMPRESSION},
         source::Source,
     },
 };
@@ -96,7 +96,7 @@ impl<'a> File<'a> {
 
 /// Returns whether a buffer is only a placeholder for data that another buffer holds compressed.
 fn is_fallback(extensions: Option<&serde_json::Map<String, serde_json::Value>>) -> bool {
-    extensions.and_then(|all| all.get(PACKED)?.get("fallback")?.as_bool()).unwrap_or(false)
+    extensions.and_then(|all| all.get(MESHOPT_COMPRESSION)?.get("fallback")?.as_bool()).unwrap_or(false)
 }
 
 /// Decodes a data URI; an error says why it has no data.
@@ -115,7 +115,7 @@ fn has_invalid_length(bytes: &[u8]) -> bool {
 }
 
 /// Extensions that this reader supports and the `gltf` crate does not know.
-const EXTENSIONS: [&str; 3] = [PACKED, "KHR_mesh_quantization", HAIR];
+const EXTENSIONS: [&str; 3] = [MESHOPT_COMPRESSION, "KHR_mesh_quantization", HAIR];
 
 /// Rejects files that would make the `gltf` crate panic before or after its own validation.
 fn check_indices(source: &Source, root: &json::Root) -> Result<()> {

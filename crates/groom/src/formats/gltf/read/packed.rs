@@ -12,7 +12,7 @@ use serde_json::{Map, Value};
 use super::file::File;
 use crate::{
     error::Result,
-    formats::{gltf::PACKED, source::Source},
+    formats::{gltf::MESHOPT_COMPRESSION, source::Source},
 };
 
 /// Opens a file and decodes its compressed views.
@@ -27,7 +27,9 @@ fn unpack(file: &mut File) -> Result<()> {
     let packed: Vec<(usize, Map<String, Value>)> = file
         .document
         .views()
-        .filter_map(|view| Some((view.index(), view.extension_value(PACKED)?.as_object()?.clone())))
+        .filter_map(|view| {
+            Some((view.index(), view.extension_value(MESHOPT_COMPRESSION)?.as_object()?.clone()))
+        })
         .collect();
     if packed.is_empty() {
         return Ok(());
@@ -63,13 +65,14 @@ fn unpack(file: &mut File) -> Result<()> {
 fn view(file: &File, how: &Map<String, Value>) -> std::result::Result<Vec<u8>, String> {
     let number = |key: &str| how.get(key).and_then(Value::as_u64).map(|n| n as usize);
     let word = |key: &str| how.get(key).and_then(Value::as_str);
-    let need = |key: &str| number(key).ok_or_else(|| format!("{PACKED} has no {key}"));
+    let need = |key: &str| number(key).ok_or_else(|| format!("{MESHOPT_COMPRESSION} has no {key}"));
     let (length, stride, count) = (need("byteLength")?, need("byteStride")?, need("count")?);
     let offset = number("byteOffset").unwrap_or(0);
     let bytes = file.buffers.get(need("buffer")?).and_then(|b| b.get(offset..)?.get(..length));
     let bytes = bytes.ok_or("its compressed bytes lie outside their buffer")?;
-    let unreadable =
-        |problem: meshoptimizer_rs::Error| format!("{PACKED} cannot be decompressed ({problem})");
+    let unreadable = |problem: meshoptimizer_rs::Error| {
+        format!("{MESHOPT_COMPRESSION} cannot be decompressed ({problem})")
+    };
     let mode = Mode::parse(word("mode").unwrap_or_default()).map_err(unreadable)?;
     let filter = Filter::parse(word("filter").unwrap_or("NONE")).map_err(unreadable)?;
     let view = BufferView::new(mode, filter, count, stride).map_err(unreadable)?;

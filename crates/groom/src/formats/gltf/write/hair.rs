@@ -12,7 +12,7 @@ use crate::{
     Strands,
     error::{Error, Result},
     formats::{
-        gltf::{GUIDE, HAIR, PACKED, TIP_PINNED},
+        gltf::{GUIDE, HAIR, MESHOPT_COMPRESSION, TIP_PINNED},
         writer::ExportHair,
     },
     strands::Mark,
@@ -46,9 +46,9 @@ pub(super) fn put(file: &mut File, hair: &[ExportHair<'_>]) -> Result<()> {
     }
     file.root["extensions"] = json!({HAIR: {"grooms": grooms}});
     let packed = hair.iter().any(|hair| hair.packed);
-    file.root["extensionsUsed"] = if packed { json!([HAIR, PACKED]) } else { json!([HAIR]) };
+    file.root["extensionsUsed"] = if packed { json!([HAIR, MESHOPT_COMPRESSION]) } else { json!([HAIR]) };
     if packed {
-        file.root["extensionsRequired"] = json!([PACKED]);
+        file.root["extensionsRequired"] = json!([MESHOPT_COMPRESSION]);
     }
     Ok(())
 }
@@ -192,7 +192,7 @@ impl File {
             "byteStride": stride, "count": count, "mode": "ATTRIBUTES"});
         let offset = self.unpacked;
         self.unpacked += bytes.len().next_multiple_of(4);
-        let view = json!({"buffer": 1, "byteOffset": offset, "byteLength": bytes.len(), "extensions": {PACKED: how}});
+        let view = json!({"buffer": 1, "byteOffset": offset, "byteLength": bytes.len(), "extensions": {MESHOPT_COMPRESSION: how}});
         Ok(self.push("bufferViews", view))
     }
 }

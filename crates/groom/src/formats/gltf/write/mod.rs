@@ -11,7 +11,7 @@ use crate::{
     Strands, TriMesh,
     error::{Error, Result},
     formats::{
-        gltf::PACKED,
+        gltf::MESHOPT_COMPRESSION,
         writer::{EncodedFile, ExportHair},
     },
     orient::LengthUnit,
@@ -313,7 +313,7 @@ impl File {
         self.bin.resize(self.bin.len().next_multiple_of(4), 0);
         self.root["buffers"] = json!([{"byteLength": self.bin.len()}]);
         if self.unpacked > 0 {
-            let stands_for = json!({PACKED: {"fallback": true}});
+            let stands_for = json!({MESHOPT_COMPRESSION: {"fallback": true}});
             self.push("buffers", json!({"byteLength": self.unpacked, "extensions": stands_for}));
         }
         let mut text = self.root.to_string().into_bytes();

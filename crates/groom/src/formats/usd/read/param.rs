@@ -40,7 +40,7 @@ pub(super) fn param<'p>(
                     return Err(scene
                         .problem(format!("{path}: {name} repeats too much data for the size of the file")));
                 }
-                flat = Param::picked(&flat, &indices, width).map_err(|index| {
+                flat = Param::gather(&flat, &indices, width).map_err(|index| {
                     let (path, name) = (excerpt(prim.path().as_str()), excerpt(&name));
                     scene.problem(format!(
                         "{path}: {name} has no value {index}; there are {}",

@@ -25,7 +25,7 @@ use crate::{
     draw::canvas::Canvas,
     gpu::{
         Binding, Device,
-        bindings::{layout, uniform},
+        bindings::{layout, uniform_buffer},
         pipeline::{PipelineCache, Recipe, blended},
     },
     light::{self, MAX_LIGHTS},
@@ -128,7 +128,7 @@ impl Caster {
             format,
             layouts: [Binding::Depth, Binding::DepthMultisampled].map(layout),
             pipelines: PipelineCache::default(),
-            uniform: uniform(device, "embed shade", size_of::<ShadeUniform>()),
+            uniform: uniform_buffer(device, "embed shade", size_of::<ShadeUniform>()),
         }
     }
 
