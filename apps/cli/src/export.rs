@@ -153,7 +153,7 @@ fn counted(path: &Path, strands: &Strands) -> String {
     format!("{}: {} strands, {} vertices", path.display(), strands.len(), strands.positions.len())
 }
 
-/// Returns the hair's strands as [`drawn`], with their colors.
+/// Returns the hair's strands as [`drawn_strands`], with their colors.
 pub fn colored(scene: &Scene) -> Result<Strands> {
     let hair = &scene.character.hair().strands;
     let mut strands = drawn_strands(scene, [hair])?;

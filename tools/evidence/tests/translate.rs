@@ -28,9 +28,13 @@ fn each(mut check: impl FnMut(&str, &Module, &ModuleInfo)) {
     }
 }
 
-/// Returns the shader in HLSL, shader model 6.0.
-fn to_hlsl(module: &Module, info: &ModuleInfo) -> Result<String, Box<dyn Error>> {
-    let options = hlsl::Options { shader_model: hlsl::ShaderModel::V6_0, ..Default::default() };
+/// Returns the shader in HLSL of this shader model.
+fn to_hlsl(
+    module: &Module,
+    info: &ModuleInfo,
+    shader_model: hlsl::ShaderModel,
+) -> Result<String, Box<dyn Error>> {
+    let options = hlsl::Options { shader_model, ..Default::default() };
     let pipeline = hlsl::PipelineOptions::default();
     let mut text = String::new();
     let translated = hlsl::Writer::new(&mut text, &options, &pipeline).write(module, info, None)?;
@@ -50,12 +54,15 @@ fn to_msl(module: &Module, info: &ModuleInfo, version: (u8, u8)) -> Result<Strin
 fn shaders_translate_to_hlsl_and_msl() {
     let mut old = 0;
     each(|name, module, info| {
-        let hlsl = to_hlsl(module, info).unwrap_or_else(|error| panic!("{name} to HLSL: {error}"));
+        // 6.0 for DXC; 5.1 for FXC, which wgpu uses where there is no DXC.
+        let [hlsl, fxc] = [hlsl::ShaderModel::V6_0, hlsl::ShaderModel::V5_1].map(|model| {
+            to_hlsl(module, info, model).unwrap_or_else(|error| panic!("{name} to HLSL: {error}"))
+        });
         // The first version with invariant positions.
         let msl = to_msl(module, info, (2, 1)).unwrap_or_else(|error| panic!("{name} to MSL: {error}"));
         for entry in &module.entry_points {
             assert!(
-                hlsl.contains(&entry.name) && msl.contains(&entry.name),
+                [&hlsl, &fxc, &msl].iter().all(|text| text.contains(&entry.name)),
                 "{name}: {} is missing",
                 entry.name
             );

@@ -220,7 +220,7 @@ fn presets_with_former_names_open() {
     }
     assert_eq!(count, 5);
     let text = "version = 1\n[lights]\nturn = 20\nenvironment_turn = -90\n[wind]\nroom = 3\n[simulation]\n\
-                cohesion_reach = 12\n[lod]\nalone_pixel = 2\n";
+                cohesion_reach = 1.2\n[lod]\nalone_pixel = 2\n";
     let settings = Preset::read(text, "former.toml").unwrap().settings;
     assert_eq!(settings.lights.rotation, 20f32.to_radians());
     assert_eq!(settings.lights.environment_rotation, -90f32.to_radians());

@@ -15,7 +15,7 @@
 //! ```
 //!
 //! **Updates in turn.** Ambient light of a distant zone is recomputed every second or third frame, each zone in another
-//! frame, and kept in between ([`Zone::every`]) as long as the head has turned by less than a cell ([`Zone::pose`]).
+//! frame, and kept in between ([`Zone::ambient_interval`]) as long as the head has turned by less than a cell ([`Zone::pose`]).
 //! The grid moves with the focus. Shadow maps are redrawn in every frame, because they resolve strands: after a move by
 //! a few texels, hair lies behind the hair that was in front of it before, and is up to 28 % too dark.
 //!

@@ -74,7 +74,7 @@ pub struct Experiment {
     pub rest: RestGuides,
     /// Vertices per strand.
     pub vertex_count: usize,
-    /// Poses of the colliders of [`among`](Self::among).
+    /// Poses of the colliders of [`with_colliders`](Self::with_colliders).
     pub obstacles: ColliderPoses,
     guides: GuideBuffers,
     colliders: ColliderSet,
