@@ -23,7 +23,7 @@ ifeq ($(XDG_RUNTIME_DIR),)
 export NODEVICE_SELECT ?= 1
 endif
 
-.PHONY: help setup setup-viewer setup-tests setup-web-tests demo test web-test check-features proof semver fuzz truth bench benchmarks book gallery web viewer web-serve python blender bevy package release clean
+.PHONY: help setup setup-viewer setup-tests setup-web-tests demo test web-test check-features proof semver fuzz truth bench gpu benchmarks book gallery web viewer web-serve python blender bevy package release clean
 
 help: ## Show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 14
@@ -73,6 +73,10 @@ proof: setup-tests setup-web-tests ## The docs of the code, the library alone fo
 	@failed=0; set -x; \
 	$(LINTED) test --workspace --lib --bins --tests --no-fail-fast -- --ignored --show-output || failed=1; \
 	$(LINTED) test --workspace --lib physics:: -- --show-output || failed=1; \
+	for workgroups in reversed permuted filled; do \
+		TRESSES_WORKGROUPS=$$workgroups $(LINTED) test --workspace --test gpu --no-fail-fast || failed=1; \
+		TRESSES_WORKGROUPS=$$workgroups $(LINTED) test --workspace --lib stages:: --no-fail-fast || failed=1; \
+	done; \
 	$(MAKE) --no-print-directory fuzz || failed=1; \
 	$(MAKE) --no-print-directory semver || failed=1; \
 	exit $$failed
@@ -163,6 +167,10 @@ web-serve: web ## Serve the web page on http://127.0.0.1:8080/
 
 bench: setup ## Measure every stage on this machine's GPU
 	$(CARGO) run --quiet --bin tresses -- bench
+
+gpu: setup ## Test and measure this machine's GPU: out/gpu-report.html, to send; with TESTS=--tests also the tests
+	$(CARGO) build --bin tresses
+	$(CARGO) run --quiet --bin tresses -- gpu $(TESTS)
 
 benchmarks: setup ## Measure this machine and write docs/benchmarks.md; with FULL=--full also distances, crowds and methods
 	$(CARGO) build --bin tresses --bin tresses-evidence

@@ -15,6 +15,7 @@ mod files;
 #[cfg(test)]
 mod flag_tests;
 mod flags;
+mod gpu_report;
 mod groom;
 mod info;
 mod interrupt;
@@ -78,6 +79,8 @@ enum Command {
     Knobs(knobs::KnobsArgs),
     /// Measure the GPU time of each stage on this machine
     Bench(bench::BenchArgs),
+    /// Test and measure this machine's GPU, and write a report to send: out/gpu-report.html and its JSON
+    Gpu(gpu_report::GpuArgs),
     /// Compare renders with path-traced ones of the same hair, camera and lights
     Compare(compare::CompareArgs),
     /// Print a completion script for a shell: bash, elvish, fish, powershell, zsh
@@ -124,6 +127,7 @@ pub fn run() -> ExitCode {
         Command::Preset(args) => preset::run(&args),
         Command::Knobs(args) => knobs::run(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Gpu(args) => gpu_report::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Completions(args) => manuals::completions(&args),
         Command::Man(args) => manuals::man(&args),

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use tresses::{
     Background, HairHair, HairHairMode, groom::cards::CardOptions, low_level::DebugView, renderer::Renderer,
 };
-use tresses_scene::{Motion, Shot, Viewpoint, camera::Angle, motion::NAMES};
+use tresses_scene::{Motion, Preset, Shot, Viewpoint, camera::Angle, motion::NAMES};
 
 /// Longest animation, frames.
 const MAX_FRAMES: u32 = 100_000;
@@ -74,6 +74,20 @@ pub struct RenderArgs {
     pub debug: debug::DebugArgs,
 }
 
+impl RenderArgs {
+    /// Returns the preset with all options applied, as the debug view needs it.
+    pub fn preset(&self) -> Result<Preset> {
+        let mut preset = self.settings.preset()?;
+        let hair_hair = &mut preset.settings.simulation.hair_hair;
+        if self.debug.debug == Some(DebugView::Density) && hair_hair.mode == HairHairMode::Off {
+            // The density view needs the grid, so keep it without any effect on the hair.
+            *hair_hair = HairHair { speed: 0.0, friction: 0.0, ..HairHair::default() };
+        }
+        self.debug.check(&preset.settings.physics())?;
+        Ok(preset)
+    }
+}
+
 /// Runs `tresses render`.
 pub fn run(args: &RenderArgs) -> Result<()> {
     let kind = OutputKind::of(&args.out)?;
@@ -94,13 +108,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     };
     let known = frames(motion.duration())?;
     // Check the options before opening or creating anything.
-    let mut preset = args.settings.preset()?;
-    let hair_hair = &mut preset.settings.simulation.hair_hair;
-    if args.debug.debug == Some(DebugView::Density) && hair_hair.mode == HairHairMode::Off {
-        // The density view needs the grid, so keep it without any effect on the hair.
-        *hair_hair = HairHair { speed: 0.0, friction: 0.0, ..HairHair::default() };
-    }
-    args.debug.check(&preset.settings.physics())?;
+    let mut preset = args.preset()?;
     ensure!(
         args.cards.is_none() || args.debug.debug.is_none(),
         "--debug shows strands: remove --cards, or --debug"
@@ -241,7 +249,7 @@ pub fn animate(
 }
 
 /// Plays the motion from its start and calls `each` for every frame.
-fn play(
+pub fn play(
     scene: &mut Photographer,
     shot: &Shot,
     motion: &Motion,

@@ -20,7 +20,7 @@ impl Summary {
 }
 
 /// Interpolates linearly between the two nearest ranks of sorted values.
-fn percentile(sorted: &[f64], fraction: f64) -> f64 {
+pub fn percentile(sorted: &[f64], fraction: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return 0.0 };
     let rank = fraction * last as f64;
     let low = rank.floor() as usize;

@@ -15,21 +15,23 @@ use tresses_scene::picture::{AnimationEncoder, AnimationFormat};
 
 /// Reads a PNG file.
 pub fn read(path: &Path) -> Result<Image> {
-    let read = || -> Result<Image> {
-        let mut decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path)?));
-        decoder
-            .set_transformations(png::Transformations::normalize_to_color8() | png::Transformations::ALPHA);
-        let mut reader = decoder.read_info()?;
-        let mut bytes = vec![0; reader.output_buffer_size().context("the image is too large")?];
-        let info = reader.next_frame(&mut bytes)?;
-        let pixel = |p: &[u8]| match p {
-            [gray, alpha] => [*gray, *gray, *gray, *alpha],
-            _ => [p[0], p[1], p[2], p[3]],
-        };
-        let rows = bytes[..info.buffer_size()].chunks_exact(info.color_type.samples());
-        Ok(Image { width: info.width, height: info.height, rgba: rows.flat_map(pixel).collect() })
-    };
+    let read = || decode(std::io::BufReader::new(std::fs::File::open(path)?));
     read().with_context(|| path.display().to_string())
+}
+
+/// Decodes a PNG file.
+pub fn decode(file: impl std::io::BufRead + std::io::Seek) -> Result<Image> {
+    let mut decoder = png::Decoder::new(file);
+    decoder.set_transformations(png::Transformations::normalize_to_color8() | png::Transformations::ALPHA);
+    let mut reader = decoder.read_info()?;
+    let mut bytes = vec![0; reader.output_buffer_size().context("the image is too large")?];
+    let info = reader.next_frame(&mut bytes)?;
+    let pixel = |p: &[u8]| match p {
+        [gray, alpha] => [*gray, *gray, *gray, *alpha],
+        _ => [p[0], p[1], p[2], p[3]],
+    };
+    let rows = bytes[..info.buffer_size()].chunks_exact(info.color_type.samples());
+    Ok(Image { width: info.width, height: info.height, rgba: rows.flat_map(pixel).collect() })
 }
 
 /// Joins images of equal height from left to right.

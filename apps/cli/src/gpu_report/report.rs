@@ -1,0 +1,124 @@
+//! The report: the verdict, the machine and the sections.
+
+use super::section::{Section, State};
+use serde::Serialize;
+use std::{process::Command, time::SystemTime};
+
+/// Most findings that the verdict quotes.
+const MAX_QUOTED: usize = 6;
+/// Longest quote of a finding, characters.
+const MAX_QUOTE: usize = 160;
+
+/// The report.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    /// The first line: results that a maintainer should look at.
+    pub verdict: String,
+    /// The program and the machine.
+    pub host: Host,
+    /// Results of the parts.
+    pub sections: Vec<Section>,
+}
+
+/// The program and the machine.
+#[derive(Debug, Serialize)]
+pub struct Host {
+    /// Version of the program.
+    pub version: String,
+    /// Commit, if the program runs in the repository and git is installed.
+    pub commit: Option<String>,
+    /// Whether the program is compiled with checks.
+    pub debug_assertions: bool,
+    /// Operating system and processor.
+    pub system: String,
+    /// Number of processor cores.
+    pub cores: usize,
+    /// Start, seconds since 1970.
+    pub time: u64,
+    /// Variables that select an adapter.
+    pub environment: Vec<String>,
+}
+
+impl Host {
+    /// Describes this program and this machine.
+    pub fn current() -> Self {
+        let git = || {
+            let output = Command::new("git").args(["describe", "--always", "--dirty"]).output().ok()?;
+            let text = String::from_utf8(output.stdout).ok().filter(|_| output.status.success())?;
+            Some(text.trim().to_owned())
+        };
+        let chosen = |(name, value): (std::ffi::OsString, std::ffi::OsString)| {
+            let name = name.into_string().ok().filter(|name| name.starts_with("WGPU_"))?;
+            Some(format!("{name}={}", value.to_string_lossy()))
+        };
+        Self {
+            version: env!("CARGO_PKG_VERSION").into(),
+            commit: std::path::Path::new("crates/tresses").is_dir().then(git).flatten(),
+            debug_assertions: cfg!(debug_assertions),
+            system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+            cores: std::thread::available_parallelism().map_or(1, usize::from),
+            time: SystemTime::UNIX_EPOCH.elapsed().map_or(0, |elapsed| elapsed.as_secs()),
+            environment: std::env::vars_os().filter_map(chosen).collect(),
+        }
+    }
+}
+
+/// Returns the first line of the report.
+pub fn verdict(sections: &[Section]) -> String {
+    let mut all: Vec<String> = Vec::new();
+    for section in sections {
+        all.extend(section.findings.iter().map(|finding| format!("{}: {}", section.name, quoted(finding))));
+        if section.state == State::Running {
+            all.push(format!("{}: did not finish", section.name));
+        }
+    }
+    let count = all.len();
+    let things = if count == 1 { "thing" } else { "things" };
+    match count {
+        0 => "Nothing unusual.".into(),
+        1..=MAX_QUOTED => format!("{count} {things} to look at: {}.", all.join("; ")),
+        _ => format!(
+            "{count} things to look at: {}; and {} more.",
+            all[..MAX_QUOTED].join("; "),
+            count - MAX_QUOTED
+        ),
+    }
+}
+
+/// Returns the first line of `text`, shortened.
+fn quoted(text: &str) -> String {
+    let line = text.lines().next().unwrap_or_default();
+    let end = line.char_indices().nth(MAX_QUOTE).map(|(end, _)| end);
+    end.map_or_else(|| line.trim_end_matches('.').to_owned(), |end| format!("{} …", &line[..end]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn section(name: &str, state: State, findings: &[&str]) -> Section {
+        let findings = findings.iter().map(|finding| (*finding).to_owned()).collect();
+        Section { name: name.into(), state, findings, ..Section::default() }
+    }
+
+    #[test]
+    fn verdict_counts_and_quotes_findings() {
+        let good = section("rates", State::Complete, &[]);
+        assert_eq!(verdict(std::slice::from_ref(&good)), "Nothing unusual.");
+        let one = section("images", State::Complete, &["long differs"]);
+        assert_eq!(verdict(&[good, one.clone()]), "1 thing to look at: images: long differs.");
+        let unfinished = section("frames", State::Running, &[]);
+        assert_eq!(
+            verdict(&[one, unfinished]),
+            "2 things to look at: images: long differs; frames: did not finish."
+        );
+        let many = section("shaders", State::Failed, &["a"; 9]);
+        assert!(verdict(&[many]).ends_with("; and 3 more."));
+    }
+
+    #[test]
+    fn quotes_are_one_short_line() {
+        assert_eq!(quoted("first.\nsecond"), "first");
+        assert_eq!(quoted(&"é".repeat(500)).chars().count(), MAX_QUOTE + 2);
+    }
+}
