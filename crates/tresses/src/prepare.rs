@@ -1,14 +1,13 @@
 //! Compiling pipelines in advance.
 
 use crate::{
-    Context, Progress, Result, avoid, collide, draw,
-    gpu::{kernel::Job, pipeline::Scopes},
-    hair::Curves,
-    light, lod, present, roots, simulate, skinning,
-    view::ViewOptions,
-    volume, wind,
+    Context, Progress, Result, avoid, collide, draw, gpu::kernel::Job, hair::Curves, light, lod, present,
+    roots, simulate, skinning, view::ViewOptions, volume, wind,
 };
 use std::sync::Arc;
+
+#[cfg(target_arch = "wasm32")]
+use crate::gpu::pipeline::Scopes;
 
 /// Pipelines to compile with [`Context::prepare`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -51,20 +50,28 @@ impl Context {
     pub async fn prepare(&self, requests: &[PipelineRequest], progress: &impl Progress) -> Result<()> {
         const TASK: &str = "compiling shaders";
         let sets: ViewSets = (self.pipelines(), self.pipelines(), self.pipelines());
-        let mut jobs: Vec<Job<'_>> = requests.iter().flat_map(|request| jobs(self, request, &sets)).collect();
-        let count = jobs.len().max(1);
-        let threads = crate::progress::threads();
-        let mut done = 0;
-        while !jobs.is_empty() {
-            progress.step(TASK, done as f32 / count as f32).await;
-            let batch: Vec<_> = jobs.drain(..threads.min(jobs.len())).collect();
-            done += batch.len();
-            // Error scopes belong to threads, so jobs open their own. In a browser errors arrive later, so one scope
-            // spans the batch.
-            let scopes = cfg!(target_arch = "wasm32").then(|| Scopes::open(&self.device));
-            run(&batch)?;
-            if let Some(scopes) = scopes {
-                scopes.close(TASK).await?;
+        let jobs: Vec<Job<'_>> = requests.iter().flat_map(|request| jobs(self, request, &sets)).collect();
+        let fraction = |done: usize| done as f32 / jobs.len().max(1) as f32;
+        #[cfg(not(target_arch = "wasm32"))]
+        {
+            let threads = crate::progress::threads();
+            for (i, batch) in jobs.chunks(threads).enumerate() {
+                progress.step(TASK, fraction(i * threads)).await;
+                run(batch)?;
+            }
+        }
+        // A browser compiles in another process: all pipelines are created before the first result is awaited.
+        #[cfg(target_arch = "wasm32")]
+        {
+            let mut results = Vec::new();
+            for job in &jobs {
+                let scopes = Scopes::open(&self.device);
+                job()?;
+                results.push(scopes.close(TASK));
+            }
+            for (i, result) in results.into_iter().enumerate() {
+                progress.step(TASK, fraction(i)).await;
+                result.await?;
             }
         }
         progress.step(TASK, 1.0).await;
@@ -111,11 +118,9 @@ fn jobs<'a>(context: &Context, request: &PipelineRequest, sets: &'a ViewSets) ->
     }
 }
 
-/// Runs all of `jobs`, in parallel where the platform has threads.
+/// Runs all of `jobs` in parallel. Error scopes belong to threads, so jobs open their own.
+#[cfg(not(target_arch = "wasm32"))]
 fn run(jobs: &[Job<'_>]) -> Result<()> {
-    #[cfg(target_arch = "wasm32")]
-    return jobs.iter().try_for_each(|job| job());
-    #[cfg(not(target_arch = "wasm32"))]
     std::thread::scope(|scope| {
         let running: Vec<_> = jobs.iter().map(|job| scope.spawn(job)).collect();
         running.into_iter().try_for_each(|job| {

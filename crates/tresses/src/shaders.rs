@@ -43,3 +43,46 @@ pub fn all() -> &'static [(&'static str, &'static str)] {
         all
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::all;
+
+    /// Returns the negated comparisons of floats in `wgsl`, and comparisons of a value with itself.
+    fn nan_tests(wgsl: &str) -> Vec<&str> {
+        let is_suspect = |statement: &&str| {
+            let negated = statement.split("!(").skip(1).any(|rest| {
+                let mut depth = 1;
+                let end = rest.find(|c| {
+                    depth += i32::from(c == '(') - i32::from(c == ')');
+                    depth == 0
+                });
+                let inside = &rest[..end.unwrap_or(rest.len())];
+                [" < ", " > ", " <= ", " >= "].iter().any(|operator| inside.contains(operator))
+            });
+            let same = [" == ", " != "].iter().any(|operator| {
+                statement.split_once(operator).is_some_and(|(left, right)| {
+                    let name = |c: char| c.is_alphanumeric() || "._[]".contains(c);
+                    let left = &left[left.rfind(|c| !name(c)).map_or(0, |at| at + 1)..];
+                    let right = &right[..right.find(|c| !name(c)).unwrap_or(right.len())];
+                    !left.is_empty() && left == right
+                })
+            });
+            negated || same
+        };
+        wgsl.split(['{', '}', ';']).filter(is_suspect).collect()
+    }
+
+    /// Metal compiles with fast math, which may drop comparisons that only NaN fails. `math::bits` compares bits.
+    #[test]
+    fn no_shader_detects_nan_by_comparing_floats() {
+        for (name, wgsl) in all() {
+            let found = nan_tests(wgsl);
+            assert!(found.is_empty(), "{name}: use math::bits in place of {found:?}");
+        }
+        for text in ["if !(a > 0.0 && b < vec3(1.0).x) {", "let is_nan = x.y != x.y;"] {
+            assert_eq!(nan_tests(text).len(), 1, "{text}");
+        }
+        assert!(nan_tests("if !(is_a || f(b)) && c < 1.0 { let d = e == f; }").is_empty());
+    }
+}

@@ -1,7 +1,7 @@
 //! Atlas of all distance fields: tiles of one 3-D texture.
 
 use super::{FieldVolume, ShapeData};
-use crate::{Context, Error, Result};
+use crate::{Context, Error, Result, gpu::Device};
 use glam::{UVec3, Vec3};
 
 /// Returns the positions of tiles of `sizes`, and the size of the texture; tiles are stacked along the axes that waste
@@ -62,7 +62,7 @@ impl Atlas {
     ///
     /// # Errors
     /// [`Error::Colliders`] if the adapter does not support a texture of that size.
-    pub fn new(device: &wgpu::Device, size: UVec3) -> Result<Self> {
+    pub fn new(device: &Device, size: UVec3) -> Result<Self> {
         let max_size = device.limits().max_texture_dimension_3d;
         if size.max_element() > max_size {
             return Err(Error::Colliders(format!(

@@ -34,7 +34,7 @@ impl Context {
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         Self {
             tier: Tier::of_device(device),
-            device: Device { device: device.clone(), probe: None, broken: None },
+            device: Device { device: device.clone(), probe: None, broken: None, rewrite: None, fill: None },
             queue: queue.clone(),
             sets: Arc::default(),
         }
@@ -55,6 +55,19 @@ impl Context {
     #[doc(hidden)]
     pub fn with_broken(self, module: &'static str) -> Self {
         Self { device: Device { broken: Some(module), ..self.device }, sets: Arc::default(), ..self }
+    }
+
+    /// The same device with shaders that `rewrite` changes, for tests of the order of workgroups.
+    #[doc(hidden)]
+    pub fn with_rewritten_shaders(self, rewrite: fn(&str) -> String) -> Self {
+        Self { device: Device { rewrite: Some(rewrite), ..self.device }, sets: Arc::default(), ..self }
+    }
+
+    /// The same device whose new memory does not start at zero (`gpu/fill.rs`), for tests.
+    #[doc(hidden)]
+    pub fn with_filled_memory(self) -> Self {
+        let fill = Some(self.queue.clone());
+        Self { device: Device { fill, ..self.device }, sets: Arc::default(), ..self }
     }
 
     /// The device.

@@ -1,8 +1,10 @@
 //! Three-dimensional textures for grids that kernels write and read.
 
+use super::Device;
+
 /// Creates a texture of `size` cells, in a `format` that allows storage writes. Its contents can be copied out.
 pub(crate) fn grid_texture(
-    device: &wgpu::Device,
+    device: &Device,
     label: &str,
     format: wgpu::TextureFormat,
     [width, height, depth_or_array_layers]: [u32; 3],

@@ -3,7 +3,7 @@
 use super::probe::Probe;
 use std::{ops::Deref, sync::Arc};
 
-/// A device, and the test hooks that change its shaders.
+/// A device, and the hooks of tests and tools that change its shaders and the contents of new memory.
 #[derive(Clone, Debug)]
 pub(crate) struct Device {
     pub device: wgpu::Device,
@@ -11,6 +11,10 @@ pub(crate) struct Device {
     pub probe: Option<Arc<dyn Probe>>,
     /// Module whose shader is made invalid.
     pub broken: Option<&'static str>,
+    /// Changes the text of each shader.
+    pub rewrite: Option<fn(&str) -> String>,
+    /// Queue that fills new memory with a pattern ([`super::fill`]).
+    pub fill: Option<wgpu::Queue>,
 }
 
 impl Deref for Device {

@@ -6,6 +6,7 @@ pub mod commands;
 pub mod context;
 mod counts;
 pub mod device;
+mod fill;
 pub(crate) mod grid;
 mod handle;
 pub mod kernel;
@@ -57,5 +58,8 @@ pub(crate) fn noop() -> Context {
 #[cfg(test)]
 pub(crate) fn for_tests() -> Option<&'static Context> {
     static CONTEXTS: tresses_testing::Pool<Context> = tresses_testing::Pool::new();
-    CONTEXTS.get(|| Some(tresses_testing::gpu_or_skip(pollster::block_on(Gpu::open()))?.context))
+    CONTEXTS.get(|| {
+        let gpu = tresses_testing::gpu_or_skip(pollster::block_on(Gpu::open()))?;
+        Some(crate::common::order::selected(gpu.context))
+    })
 }

@@ -130,6 +130,8 @@ fn module(device: &Device, name: &'static str) -> wgpu::ShaderModule {
 
 fn shader_module(device: &Device, name: &str, wgsl: &str) -> wgpu::ShaderModule {
     let wgsl = if device.broken == Some(name) { "broken" } else { wgsl };
+    let rewritten = device.rewrite.map(|rewrite| rewrite(wgsl));
+    let wgsl = rewritten.as_deref().unwrap_or(wgsl);
     if let Some(probe) = &device.probe {
         return probe.shader(device, name, wgsl);
     }
@@ -160,15 +162,17 @@ impl Scopes {
         Self([OutOfMemory, Internal, Validation].map(|filter| device.push_error_scope(filter)))
     }
 
-    /// Returns the first error in the scopes.
-    pub async fn close(self, stage: &'static str) -> Result<()> {
+    /// Closes the scopes. The future returns the first error in them.
+    pub fn close(self, stage: &'static str) -> impl Future<Output = Result<()>> {
         let Self([memory, internal, validation]) = self;
         // Scopes close in reverse order. All are popped before the first await.
         let (validation, internal, memory) = (validation.pop(), internal.pop(), memory.pop());
-        let found = [validation.await, internal.await, memory.await];
-        match found.into_iter().flatten().next() {
-            Some(error) => Err(Error::Gpu { stage, problem: error.to_string() }),
-            None => Ok(()),
+        async move {
+            let found = [validation.await, internal.await, memory.await];
+            match found.into_iter().flatten().next() {
+                Some(error) => Err(Error::Gpu { stage, problem: error.to_string() }),
+                None => Ok(()),
+            }
         }
     }
 }

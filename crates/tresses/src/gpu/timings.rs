@@ -15,14 +15,18 @@ pub fn wall() -> Duration {
     START.get_or_init(Instant::now).elapsed()
 }
 
-/// Largest number of timed passes in a frame.
-const MAX_PASSES: u32 = 64;
+/// Largest number of timed passes in a frame: WebGPU allows 4,096 queries in a set.
+const MAX_PASSES: u32 = 2048;
 
 /// Timings of the passes of one frame.
 #[derive(Debug)]
 pub struct Timings {
     source: Source,
     counts: Vec<(&'static str, Counts)>,
+    /// See [`frame`](Self::frame).
+    frame: Option<f64>,
+    /// See [`untimed`](Self::untimed).
+    untimed: u32,
 }
 
 #[derive(Debug)]
@@ -32,6 +36,8 @@ enum Source {
         queries: wgpu::QuerySet,
         resolved: wgpu::Buffer,
         names: Vec<&'static str>,
+        /// Passes of the frame beyond [`MAX_PASSES`].
+        untimed: u32,
         /// Nanoseconds per tick.
         period: f32,
     },
@@ -59,9 +65,10 @@ impl Timings {
                 mapped_at_creation: false,
             }),
             names: Vec::new(),
+            untimed: 0,
             period: queue.get_timestamp_period(),
         };
-        Self { source, counts: Vec::new() }
+        Self { source, counts: Vec::new(), frame: None, untimed: 0 }
     }
 
     /// Measures by a clock: [`wall`] or one that returns processor time. A [`crate::frame::Recorder`] then submits each
@@ -72,14 +79,14 @@ impl Timings {
     /// calls.
     pub fn by(clock: Clock) -> Self {
         let source = Source::Clock { clock, since: clock(), rows: Vec::new(), lost: None };
-        Self { source, counts: Vec::new() }
+        Self { source, counts: Vec::new(), frame: None, untimed: 0 }
     }
 
     /// Measures nothing, but splits a frame into [`parts`](Self::parts). The caller submits them in order, then what
     /// the encoder still holds. This lets other work use the queue during a very long frame. If parts are left out, the
     /// frame has no valid image, and the next frame renders its light again.
     pub fn of_parts() -> Self {
-        Self { source: Source::Parts(Vec::new()), counts: Vec::new() }
+        Self { source: Source::Parts(Vec::new()), counts: Vec::new(), frame: None, untimed: 0 }
     }
 
     /// Takes the recorded parts of the frame. There are none without [`of_parts`](Self::of_parts).
@@ -96,12 +103,14 @@ impl Timings {
     }
 
     fn next(&mut self, name: &'static str) -> Option<(&wgpu::QuerySet, u32)> {
-        let Source::Timestamps { queries, names, .. } = &mut self.source else { return None };
+        let Source::Timestamps { queries, names, untimed, .. } = &mut self.source else { return None };
         let index = 2 * names.len() as u32;
-        (index < 2 * MAX_PASSES).then(|| {
-            names.push(name);
-            (&*queries, index)
-        })
+        if index >= 2 * MAX_PASSES {
+            *untimed += 1;
+            return None;
+        }
+        names.push(name);
+        Some((&*queries, index))
     }
 
     /// Timestamps for a compute pass. Passes with the same `name` are summed.
@@ -183,7 +192,11 @@ impl Timings {
     pub async fn read(&mut self, context: &Context) -> Result<Vec<(&'static str, f64)>> {
         let PendingTimings { source } = self.start_read(context);
         match source {
-            RowSource::Ticks { ticks, names, period } => Ok(rows(&ticks.wait().await?, &names, period)),
+            RowSource::Ticks { ticks, names, period } => {
+                let ticks = ticks.wait().await?;
+                self.frame = span(&ticks, names.len(), period);
+                Ok(rows(&ticks, &names, period))
+            }
             RowSource::Known(known) => known.unwrap_or_else(|| Ok(Vec::new())),
         }
     }
@@ -192,12 +205,16 @@ impl Timings {
     /// immediately.
     pub fn start_read(&mut self, context: &Context) -> PendingTimings {
         self.counts.clear();
+        self.untimed = 0;
         let source = match &mut self.source {
-            Source::Timestamps { resolved, names, period, .. } => RowSource::Ticks {
-                ticks: Pending::buffer(context, resolved),
-                names: std::mem::take(names),
-                period: *period,
-            },
+            Source::Timestamps { resolved, names, untimed, period, .. } => {
+                self.untimed = std::mem::take(untimed);
+                RowSource::Ticks {
+                    ticks: Pending::buffer(context, resolved),
+                    names: std::mem::take(names),
+                    period: *period,
+                }
+            }
             Source::Clock { rows, lost, .. } => RowSource::Known(Some(match lost.take() {
                 Some(error) => Err(error),
                 None => Ok(std::mem::take(rows)),
@@ -205,6 +222,19 @@ impl Timings {
             Source::Parts(_) => RowSource::Known(None),
         };
         PendingTimings { source }
+    }
+}
+
+impl Timings {
+    /// GPU time of the last frame that [`read`](Self::read) returned, from the beginning of its first pass to the end
+    /// of its last, ms. Transfers and waits between passes count. `None` without timestamps.
+    pub fn frame(&self) -> Option<f64> {
+        self.frame
+    }
+
+    /// Passes of the last frame that the rows leave out, because it had more than can be timed.
+    pub fn untimed(&self) -> u32 {
+        self.untimed
     }
 }
 
@@ -245,6 +275,13 @@ fn rows(ticks: &[u8], names: &[&'static str], period: f32) -> Vec<(&'static str,
         add(&mut rows, name, end.saturating_sub(*begin) as f64 * f64::from(period) * 1e-6);
     }
     rows
+}
+
+/// Returns the time from the first beginning to the last end of `passes` passes, ms.
+fn span(ticks: &[u8], passes: usize, period: f32) -> Option<f64> {
+    let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&ticks[..16 * passes]);
+    let (first, last) = (ticks.iter().min()?, ticks.iter().max()?);
+    Some((last - first) as f64 * f64::from(period) * 1e-6)
 }
 
 /// Adds a time to the row `name`.

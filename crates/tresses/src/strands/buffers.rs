@@ -3,7 +3,10 @@
 use super::{
     Guide, GuideForce, GuideSample, PackedGuide, PackedRest, RootMotion, Strand, StrandBinding, StrandVertex,
 };
-use crate::{Context, Error, Result, gpu::Buffer};
+use crate::{
+    Context, Error, Result,
+    gpu::{Buffer, Device},
+};
 use wgpu::BufferUsages;
 
 /// Buffers of the guides, indexed `vertex * count + guide` unless stated otherwise.
@@ -159,7 +162,7 @@ impl DrawCount {
 ///
 /// # Errors
 /// [`Error::Limit`] if the adapter cannot hold it.
-pub fn storage<T>(device: &wgpu::Device, label: &'static str, count: u64) -> Result<wgpu::Buffer> {
+pub fn storage<T>(device: &Device, label: &'static str, count: u64) -> Result<wgpu::Buffer> {
     let need = count.saturating_mul(size_of::<T>() as u64).max(16);
     let limits = device.limits();
     let have = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
@@ -175,7 +178,7 @@ pub fn storage<T>(device: &wgpu::Device, label: &'static str, count: u64) -> Res
 }
 
 /// Like [`storage`], but returns a typed buffer.
-pub(crate) fn buffer<T>(device: &wgpu::Device, label: &'static str, count: u64) -> Result<Buffer<T>> {
+pub(crate) fn buffer<T>(device: &Device, label: &'static str, count: u64) -> Result<Buffer<T>> {
     Ok(storage::<T>(device, label, count)?.into())
 }
 

@@ -1,6 +1,6 @@
 //! Buffers that debug views fill again in every frame.
 
-use crate::{Result, strands::buffers::storage};
+use crate::{Result, gpu::Device, strands::buffers::storage};
 use std::sync::{Mutex, PoisonError};
 
 /// A buffer that is kept from frame to frame while its size stays the same.
@@ -12,12 +12,7 @@ impl Scratch {
     ///
     /// # Errors
     /// [`crate::Error::Limit`] when the adapter cannot hold the buffer.
-    pub(super) fn get<T>(
-        &self,
-        device: &wgpu::Device,
-        what: &'static str,
-        count: u64,
-    ) -> Result<wgpu::Buffer> {
+    pub(super) fn get<T>(&self, device: &Device, what: &'static str, count: u64) -> Result<wgpu::Buffer> {
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let need = count.saturating_mul(size_of::<T>() as u64).max(16);
         if let Some(buffer) = kept.as_ref().filter(|buffer| buffer.size() == need) {

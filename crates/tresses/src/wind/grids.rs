@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     Context,
-    gpu::{BindBuffer, bindings::uniform_buffer, grid::grid_texture},
+    gpu::{BindBuffer, Device, bindings::uniform_buffer, grid::grid_texture},
     shaders::kernels::wind as kernels,
 };
 use bytemuck::Zeroable;
@@ -47,7 +47,7 @@ pub(super) struct Grids {
 
 impl Grids {
     /// Creates textures for `cells` cells along each axis.
-    pub fn new(device: &wgpu::Device, cells: u32) -> Self {
+    pub fn new(device: &Device, cells: u32) -> Self {
         use wgpu::TextureFormat::{Rgba16Float, Rgba32Float};
         let mut bytes = 0;
         let mut view = |label, format: wgpu::TextureFormat, size: [u32; 3]| {

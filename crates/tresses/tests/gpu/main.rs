@@ -31,6 +31,7 @@ mod hair_collision;
 mod labels;
 mod lod;
 mod moving;
+mod order;
 mod painted;
 mod pipelines_draw;
 mod present;

@@ -38,7 +38,7 @@ use crate::{
     Context, Error, Pose, Result,
     body::Skin,
     constants::{BUILD_WORKGROUP, DEFORM_NODES},
-    gpu::{BindBuffer, Kernel, PipelineSet},
+    gpu::{BindBuffer, Device, Kernel, PipelineSet},
     groom::{TriMesh, mesh::Bvh, rig::anatomy::Flesh},
     shaders::kernels::collide::deform as kernels,
     strands::buffers::filled,
@@ -159,11 +159,11 @@ impl PipelineSet for Pipelines {
 }
 
 /// Returns a placeholder texture for a set without deforming fields.
-pub(super) fn none(device: &wgpu::Device) -> wgpu::Texture {
+pub(super) fn none(device: &Device) -> wgpu::Texture {
     texture(device, 1)
 }
 
-fn texture(device: &wgpu::Device, parts: u32) -> wgpu::Texture {
+fn texture(device: &Device, parts: u32) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
         label: Some("deformed fields"),
         size: wgpu::Extent3d {

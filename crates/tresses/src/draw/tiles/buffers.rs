@@ -5,7 +5,7 @@ use crate::{
     Result,
     constants::{TILE, TILE_BINS, TILE_BLOCK, TILE_ROUNDS},
     draw::canvas::{HDR_FORMAT, TextureKind},
-    gpu::{BindBuffer, BufferBinding, bindings::uniform_buffer},
+    gpu::{BindBuffer, BufferBinding, Device, bindings::uniform_buffer},
     strands::buffers::storage,
 };
 use bytemuck::{Pod, Zeroable};
@@ -109,7 +109,7 @@ impl TileBuffers {
     /// # Errors
     /// [`crate::Error::Limit`] if a buffer exceeds the device's limits.
     pub fn new(
-        device: &wgpu::Device,
+        device: &Device,
         size: [u32; 2],
         texture: impl Fn(TextureKind) -> wgpu::Texture,
     ) -> Result<Self> {

@@ -12,7 +12,7 @@ use crate::{
     Context, Result,
     constants::TILE,
     draw::canvas::Canvas,
-    gpu::{BindBuffer, bindings::uniform_buffer},
+    gpu::{BindBuffer, Device, bindings::uniform_buffer},
     light::{HairView, ShadingSubset},
     shaders::kernels::draw::tiles as bound,
     strands::buffers::storage,
@@ -201,7 +201,7 @@ impl HairLists {
 }
 
 impl ListBuffers {
-    fn new(device: &wgpu::Device, points: u64, window: u64, tiles: u32) -> Result<Self> {
+    fn new(device: &Device, points: u64, window: u64, tiles: u32) -> Result<Self> {
         use wgpu::TextureFormat::{R32Uint, Rgba32Float};
         // A window and the longest tile: a segment occurs at most once in a tile.
         let entries = window + points;

@@ -10,7 +10,7 @@ use crate::{
     Camera, Context, Result,
     constants::TILE_ROUNDS,
     draw::canvas::{Canvas, TextureKind},
-    gpu::readback::Pending,
+    gpu::{Device, readback::Pending},
     light::{HairView, Sphere},
 };
 use glam::Vec3;
@@ -148,7 +148,7 @@ impl Tiles {
     /// # Errors
     /// [`crate::Error::Limit`].
     pub fn new(
-        device: &wgpu::Device,
+        device: &Device,
         size: [u32; 2],
         texture: impl Fn(TextureKind) -> wgpu::Texture,
     ) -> Result<Self> {

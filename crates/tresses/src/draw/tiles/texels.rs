@@ -3,7 +3,10 @@
 use crate::{
     Result,
     constants::TILE_POINTS,
-    gpu::commands::{self, Commands},
+    gpu::{
+        Device,
+        commands::{self, Commands},
+    },
 };
 
 /// An array in a texture with [`TILE_POINTS`] values per row. Software drivers load texels for many lanes at a time,
@@ -20,7 +23,7 @@ impl Texels {
     /// # Errors
     /// [`crate::Error::Limit`] if the texture would have more rows than the device allows.
     pub fn new(
-        device: &wgpu::Device,
+        device: &Device,
         label: &'static str,
         count: u64,
         format: wgpu::TextureFormat,
@@ -62,7 +65,7 @@ impl Texels {
     }
 
     /// Creates a texture that [`keep`](Self::keep) can copy this one to.
-    pub fn like(&self, device: &wgpu::Device, label: &'static str) -> wgpu::Texture {
+    pub fn like(&self, device: &Device, label: &'static str) -> wgpu::Texture {
         device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
             size: self.texture.size(),

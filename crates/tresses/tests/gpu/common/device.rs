@@ -9,7 +9,10 @@ use tresses_testing::Pool;
 /// Returns the context of this test's thread, or `None` if there is no adapter and `TRESSES_SKIP` lists `gpu`.
 pub fn context() -> Option<&'static Context> {
     static CONTEXTS: Pool<Context> = Pool::new();
-    CONTEXTS.get(|| Some(tresses_testing::gpu_or_skip(pollster::block_on(Gpu::open()))?.context))
+    CONTEXTS.get(|| {
+        let gpu = tresses_testing::gpu_or_skip(pollster::block_on(Gpu::open()))?;
+        Some(super::order::selected(gpu.context))
+    })
 }
 
 /// Creates a context on wgpu's no-op device.

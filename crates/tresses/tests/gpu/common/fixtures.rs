@@ -26,7 +26,7 @@ impl DrapedCharacter {
     pub fn new(context: &Context, style: &Style, growth: Growth) -> Self {
         let styling = Styling { growth: Some(growth), ..Styling::default() };
         let source = pollster::block_on(drape::style(context, style, &())).expect("a source");
-        let parts = pollster::block_on(source.dress(&styling, &())).expect("a character");
+        let parts = pollster::block_on(source.parts(&styling, &())).expect("a character");
         let field = parts.body_field().expect("a field").clone();
         Self { groom: parts.groom, mesh: parts.head.expect("a mesh"), field, neck: parts.neck }
     }

@@ -2,6 +2,7 @@
 
 mod device;
 mod fixtures;
+pub mod order;
 mod skinned;
 
 pub use device::{
