@@ -145,7 +145,7 @@ impl<'a> Timelapse<'a> {
         let source = self.source.with_document(document.clone());
         let companion_files = CompanionFiles::of(&self.preset.source, Shelf::default());
         let parts =
-            pollster::block_on(source.dress(&settings.styling(None, &companion_files.maps()?)?, &()))?;
+            pollster::block_on(source.parts(&settings.styling(None, &companion_files.maps()?)?, &()))?;
         let max_samples = self.gpu.context.tier().max_samples;
         let mut quality = settings.quality([self.size.width, self.size.height], max_samples)?;
         quality.view.renderer = quality.view.renderer.with_max_samples(max_samples);

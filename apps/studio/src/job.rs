@@ -261,7 +261,7 @@ async fn prepare(gpu: Gpu, order: JobRequest, progress: &impl Progress) -> Resul
         editor = Some((base.editor(document.clone(), progress).await?, settings.clone()));
         hair.source = HairSource::Edited { name: hair.source.name(), document };
     }
-    let mut character = base.dress(&styling, progress).await?;
+    let mut character = base.parts(&styling, progress).await?;
     let notes = std::mem::take(&mut character.notes);
     // Pipelines that are already compiled cost nothing here.
     let mut pipelines = settings.pipelines(options);
@@ -270,7 +270,7 @@ async fn prepare(gpu: Gpu, order: JobRequest, progress: &impl Progress) -> Resul
     let quality = Quality { size: WARM_UP_SIZE, view: options, ssaa: settings.ssaa, lod: settings.lod() };
     let stage = Scene::new(gpu, character, colliders, &settings, &quality, progress).await;
     let mut stage = stage?;
-    stage.dress(&settings);
+    stage.set_appearance(&settings);
     stage.set_surroundings(surroundings.clone());
     progress.step("rendering the first frame", 0.0).await;
     warm_up(&mut stage)?;
@@ -289,7 +289,7 @@ async fn bake(
     let base = base.context("there is no hair on the screen")?;
     let (maps, colliders) = (hair.companion_files.maps()?, hair.companion_files.colliders()?);
     let view = view_options(&settings, gpu.context.tier())?;
-    let parts = base.dress(&settings.styling(base.style(), &maps)?, progress).await?;
+    let parts = base.parts(&settings.styling(base.style(), &maps)?, progress).await?;
     let colored = settings.material().uses_file_colors;
     let cards = cards::of_parts(&parts, options, colored, progress).await?;
     gpu.context.prepare(&[PipelineRequest::Cards(view.renderer.samples())], progress).await?;

@@ -47,7 +47,7 @@ impl QualityLevel {
     ///
     /// # Errors
     /// Fails if the level-of-detail options are out of range.
-    pub fn dress(&self, stage: &mut Scene, settings: &Settings) -> Result<()> {
+    pub fn apply(&self, stage: &mut Scene, settings: &Settings) -> Result<()> {
         stage.take(settings)?;
         if stage.gpu.context.tier().software {
             // Its coarse shadow maps self-shadow more, so they need a larger bias.

@@ -151,7 +151,7 @@ impl StudioRenderer {
         messages: &mut Messages,
     ) -> FrameContext {
         if let Some(show) = &mut self.show {
-            let dressed = level.dress(&mut show.stage, settings);
+            let dressed = level.apply(&mut show.stage, settings);
             if let Err(error) = dressed.and_then(|()| show.stage.show(self.debug)) {
                 messages.fail(error);
             }

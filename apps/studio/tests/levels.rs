@@ -25,7 +25,7 @@ fn stage() -> Option<(Scene, Settings)> {
     let stage = pollster::block_on(async {
         let base = drape::style(&gpu.context, &Style::default(), &()).await.unwrap();
         let styling = settings.styling(base.style(), &Default::default()).unwrap();
-        let character = base.dress(&styling, &()).await.unwrap();
+        let character = base.parts(&styling, &()).await.unwrap();
         let (colliders, progress) = (Colliders::default(), &());
         Scene::new(gpu, character, colliders, &settings, &quality, progress).await.unwrap()
     });
@@ -35,7 +35,7 @@ fn stage() -> Option<(Scene, Settings)> {
 fn picture(stage: &mut Scene, settings: &Settings, level: &QualityLevel, view: Angle) -> Vec<u8> {
     let size = AREA.map(|side| (side * level.scale).round() as u32);
     stage.resize(size).unwrap();
-    level.dress(stage, settings).unwrap();
+    level.apply(stage, settings).unwrap();
     assert_eq!(stage.lighting, settings.lights, "each level has all lights");
     // Black skin and overexposed hair: each pixel is clearly one or the other.
     let body = &mut stage.character.body_mut().unwrap().material;
@@ -100,7 +100,7 @@ fn frame_in_parts_is_bit_identical() {
     stage.resize([300, 220]).unwrap();
     let camera = Viewpoint::portrait(Angle::default(), stage.subject(), AREA[0] / AREA[1], 1.0);
     let mut picture = |leave: Option<usize>| {
-        QualityLevel::STILL.dress(&mut stage, &settings).unwrap();
+        QualityLevel::STILL.apply(&mut stage, &settings).unwrap();
         stage.character.reset();
         let context = stage.gpu.context.clone();
         let (mut apart, mut encoder) =
@@ -149,7 +149,7 @@ fn cost_of_each_level() {
         let (frames, mut rows, mut whole) =
             (if level.ssaa > 1 { 6 } else { 40 }, Vec::<(&str, f64)>::new(), 0.0);
         for frame in 0..frames {
-            level.dress(&mut stage, &settings).unwrap();
+            level.apply(&mut stage, &settings).unwrap();
             let pose = motion.gesture(f64::from(frame) / 30.0, stage.character.neck());
             let MeasuredFrame { wall: all, stages, .. } =
                 stage.measured_frame(&pose, 1.0 / 30.0, &camera).unwrap();

@@ -75,7 +75,7 @@ impl HairGroom {
         let context = Context::new(device.wgpu_device(), queue);
         let growth = strand_count.map(|count| Growth::for_style(style).with_strands(count));
         let source = pollster::block_on(drape::style(&context, style, &()))?;
-        let parts = pollster::block_on(source.dress(&Styling { growth, ..Default::default() }, &()))?;
+        let parts = pollster::block_on(source.parts(&Styling { growth, ..Default::default() }, &()))?;
         let head = parts.rest.or(parts.field).map(Arc::new);
         Ok(Self { head, mesh: parts.head.map(Arc::new), ..Self::new(parts.groom) })
     }

@@ -212,7 +212,7 @@ impl Groom {
             let maps = CompanionFiles::of(&source, Shelf::default()).maps()?;
             let head = head.map(|head| head.0.clone());
             let base = CharacterSource::given(strands.0.clone(), head, rig, teller).await?;
-            Ok(base.dress(&settings.styling(None, &maps)?, teller).await?)
+            Ok(base.parts(&settings.styling(None, &maps)?, teller).await?)
         })?;
         let mut groom = Self::new(character, Preset { name: None, source, settings });
         if let Some(factors) = stiffness {

@@ -18,7 +18,7 @@ impl Preset {
     /// Fails if the preset is contradictory or a file cannot be read. The message is one sentence.
     pub async fn character(&self, context: &Context, progress: &impl Progress) -> Result<CharacterParts> {
         let (base, styling) = self.open_source(context, progress).await?;
-        Ok(base.dress(&styling, progress).await?)
+        Ok(base.parts(&styling, progress).await?)
     }
 
     /// Opens this preset's character to edit its hair, as styled by the settings. Also returns the character with the
@@ -87,6 +87,6 @@ pub async fn edited(
     }
     // Stiffness is multiplied again whenever the document is dressed.
     let styling = Styling { stiffness: None, ..styling.clone() };
-    let groom = base.dress(&styling, progress).await?.groom;
+    let groom = base.parts(&styling, progress).await?.groom;
     Ok(base.edit(groom, files)?)
 }

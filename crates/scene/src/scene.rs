@@ -196,12 +196,12 @@ impl Scene {
             (*as_then, *lights) =
                 (environment_parameters(&settings.lights), surroundings.lights(&settings.lights));
         }
-        self.dress(settings);
+        self.set_appearance(settings);
         Ok(())
     }
 
     /// Applies the settings of the hair's and the frame's appearance.
-    pub fn dress(&mut self, settings: &Settings) {
+    pub fn set_appearance(&mut self, settings: &Settings) {
         let mut material = self.character.hair().set.material;
         settings.apply(&mut self.picture, &mut material, self.character.look());
         self.character.set_material(material);

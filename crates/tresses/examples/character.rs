@@ -47,7 +47,7 @@ async fn render(path: &str) -> Result<(), Box<dyn std::error::Error>> {
     let tresses = Gpu::open().await?.context;
     let (device, queue) = (tresses.device(), tresses.queue());
     let source = drape::style(&tresses, &"bob".parse()?, &()).await?;
-    let mut parts = source.dress(&Styling::default(), &()).await?;
+    let mut parts = source.parts(&Styling::default(), &()).await?;
     // The engine replaces the built-in rig. Hair collides with the head, and with the shoulders, which do not bend.
     parts.anatomy = None;
     let [torso, ..] = rig::parts(parts.body_field().ok_or("the character has no distance field")?);

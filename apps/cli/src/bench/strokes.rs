@@ -123,7 +123,7 @@ fn rebuild_strands(gpu: &Gpu, preset: &Preset, sitting: Sitting<'_>) -> Result<(
         others.iter().try_for_each(|sample| editor.drag(sample))?;
         let Some(after) = editor.release() else { continue };
         let (parts, time) = Stopwatch(sitting)
-            .measure_ms(|| pollster::block_on(source.with_document(after.clone()).dress(&styling, &())));
+            .measure_ms(|| pollster::block_on(source.with_document(after.clone()).parts(&styling, &())));
         parts?;
         strands = after.base().strands.len();
         times.push(time);

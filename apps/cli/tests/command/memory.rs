@@ -90,7 +90,7 @@ fn work() {
     let maps = CompanionFiles::of(&source, Shelf::default()).maps().expect("none");
     let styling = settings.styling(Some(&style), &maps).expect("a styling");
     let base = pollster::block_on(drape::style(&gpu.context, &style, &())).expect("a base");
-    let character = pollster::block_on(base.dress(&styling, &())).expect("a character");
+    let character = pollster::block_on(base.parts(&styling, &())).expect("a character");
     let scene = Scene::new(gpu, character, Colliders::default(), &settings, &quality, &());
     let mut scene = pollster::block_on(scene).expect("a scene");
     scene.apply(&settings).expect("settings are in their ranges");

@@ -71,7 +71,7 @@ impl CharacterSource {
         }
     }
 
-    /// Returns a document to edit `groom`, made from this source by [`dress`](Self::dress). `files` and nothing else
+    /// Returns a document to edit `groom`, made from this source by [`parts`](Self::parts). `files` and nothing else
     /// have made the source, unless it is a built-in style. A groom of fewer than `MIN_GUIDES` guides gets more, chosen
     /// among its strands, because a brush moves guides; its strands do not move.
     ///

@@ -133,7 +133,7 @@ mod tests {
     /// Returns the number of strands and the last note.
     fn dressed(header: &str, grow: Option<u32>, styling: Styling) -> (usize, String) {
         let growing = FillOptions { strand_count: grow, ..FillOptions::default() };
-        let character = at_once(base(header).dress(&Styling { fill: growing, ..styling }, &())).unwrap();
+        let character = at_once(base(header).parts(&Styling { fill: growing, ..styling }, &())).unwrap();
         (character.groom.strands.len(), character.notes.last().cloned().unwrap_or_default())
     }
 

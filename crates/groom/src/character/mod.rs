@@ -1,7 +1,7 @@
 //! Characters on the CPU: the groom and the body from files, or a built-in style; then the strands, styled.
 //!
 //! ```text
-//! files ──────► CharacterSource ── dress(Styling) ──► CharacterParts
+//! files ──────► CharacterSource ── parts(Styling) ──► CharacterParts
 //! Style ─drape─►   (slow)             (fast)
 //! ```
 //!
@@ -281,7 +281,7 @@ impl CharacterSource {
     ///
     /// # Errors
     /// An error when the styling is invalid.
-    pub async fn dress(&self, styling: &Styling, progress: &impl Progress) -> Result<CharacterParts> {
+    pub async fn parts(&self, styling: &Styling, progress: &impl Progress) -> Result<CharacterParts> {
         let skull = self.neck + SKULL_ABOVE_NECK;
         let mut notes = self.notes.clone();
         let texture = self.texture_coordinates(styling)?;

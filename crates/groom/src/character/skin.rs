@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn strands_have_color_of_skin_at_root() {
         let styling = Styling { uses_skin_color: true, ..Styling::default() };
-        let groom = at_once(base(false).dress(&styling, &())).unwrap().groom;
+        let groom = at_once(base(false).parts(&styling, &())).unwrap().groom;
         let mut seen = [0; 2];
         for (i, strand) in groom.strands.strands.iter().enumerate() {
             let root = groom.strands.rest_positions(i).next().unwrap();
@@ -105,7 +105,7 @@ mod tests {
         assert!(seen.iter().all(|count| *count > 50), "{seen:?}");
         let mut bare = base(false);
         bare.head.as_mut().unwrap().colors.clear();
-        let refused = at_once(bare.dress(&styling, &())).unwrap_err().to_string();
+        let refused = at_once(bare.parts(&styling, &())).unwrap_err().to_string();
         assert!(refused.contains("textures or colors"), "{refused}");
     }
 
@@ -115,14 +115,14 @@ mod tests {
         let density = ScalpMap::from_fn(64, |uv| if uv.x > 0.5 { 1.0 } else { 0.0 });
         let paint = ScalpPaint { density: Some(density), ..ScalpPaint::default() };
         let styling = Styling { paint, coordinates: MapCoordinates::Uv, ..Styling::default() };
-        let character = at_once(base(true).dress(&styling, &())).unwrap();
+        let character = at_once(base(true).parts(&styling, &())).unwrap();
         let count = character.groom.strands.len();
         assert!((80..120).contains(&count), "{count}");
         // Strands are stored from low to high; the upper half stays.
         let lowest = (0..count).map(|i| character.groom.strands.rest_positions(i).next().unwrap().y);
         let lowest = lowest.fold(f32::INFINITY, f32::min);
         assert!(lowest > 0.05, "{lowest}");
-        let refused = at_once(base(false).dress(&styling, &())).unwrap_err().to_string();
+        let refused = at_once(base(false).parts(&styling, &())).unwrap_err().to_string();
         assert!(refused.contains("root UVs"), "{refused}");
     }
 }

@@ -71,7 +71,7 @@ impl Character {
     }
 
     async fn of_source(context: &Context, source: &CharacterSource) -> Result<Self> {
-        let parts = source.dress(&Styling::default(), &()).await?;
+        let parts = source.parts(&Styling::default(), &()).await?;
         Self::new(&CharacterAsset::new(context, parts, &CharacterOptions::default(), &()).await?)
     }
 

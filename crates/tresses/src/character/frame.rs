@@ -36,7 +36,7 @@ pub struct Frame<'a> {
 /// /// Once: creates characters that share everything that does not move.
 /// async fn crowd(tresses: &Context, count: usize) -> Result<Vec<Character>> {
 ///     let source = drape::style(tresses, &"long".parse()?, &()).await?;
-///     let parts = source.dress(&Styling::default(), &()).await?;
+///     let parts = source.parts(&Styling::default(), &()).await?;
 ///     let hair = HairOptions { lod: LodOptions::CROWD, ..Default::default() };
 ///     let options = CharacterOptions::default().with_hair(hair);
 ///     let asset = CharacterAsset::new(tresses, parts, &options, &()).await?;

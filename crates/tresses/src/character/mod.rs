@@ -1,7 +1,7 @@
 //! Characters: the grooms on one body, and the per-frame work that every host of hair would otherwise repeat.
 //!
 //! ```text
-//! files, style ─► CharacterSource ─ dress ─► CharacterParts ─► CharacterAsset ─► Character, Character, …
+//! files, style ─► CharacterSource ─ parts ─► CharacterParts ─► CharacterAsset ─► Character, Character, …
 //!                                                                                   │
 //! each frame:  set_pose, animate …  ─► Frame::advance: pose the skin, deform fields, move roots, choose detail, step
 //!                                   ─► Frame::draw, composite: shadow focus and zones, then the stages of an image

@@ -19,7 +19,7 @@ use crate::{
 const CLEARANCE: f32 = 1e-3;
 
 /// Creates the mannequin with hair: traces the guides of `style` and lets them fall onto the head under gravity (on the
-/// GPU, by the same step that later simulates them). [`CharacterSource::dress`] grows the strands.
+/// GPU, by the same step that later simulates them). [`CharacterSource::parts`] grows the strands.
 ///
 /// # Errors
 /// [`Error::Gpu`](crate::Error::Gpu) when the device is lost.

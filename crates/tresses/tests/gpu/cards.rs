@@ -21,7 +21,7 @@ fn strands_and_cards(context: &Context) -> [CharacterParts; 2] {
     let growth = Growth::for_style(&style).with_strands(2000);
     let face = FaceHair { has_brows: false, has_lashes: false, beard: Beard::None };
     let styling = Styling { growth: Some(growth), face, ..Styling::default() };
-    let parts = pollster::block_on(source.dress(&styling, &())).unwrap();
+    let parts = pollster::block_on(source.parts(&styling, &())).unwrap();
     let options = CardOptions { levels: vec![120], texture_size: 512, ..CardOptions::default() };
     let baked = bake(&parts.groom.strands.unbound(), parts.head.as_ref(), &options).unwrap();
     [parts.clone(), parts.with_cards(&baked, 0).unwrap()]

@@ -28,7 +28,7 @@ fn bearded_with(context: &Context, hair: HairOptions) -> Character {
             face: FaceHair { beard: Beard::Full, ..FaceHair::default() },
             ..Styling::default()
         };
-        pollster::block_on(source.dress(&styling, &())).unwrap()
+        pollster::block_on(source.parts(&styling, &())).unwrap()
     });
     let options = CharacterOptions { hair, ..CharacterOptions::default() };
     let asset = pollster::block_on(CharacterAsset::new(context, parts.clone(), &options, &())).unwrap();
@@ -230,7 +230,7 @@ fn replaced_groom_keeps_time_material_and_gesture() {
     let source = pollster::block_on(drape::style(context, &"bob".parse().unwrap(), &())).unwrap();
     let growth = Growth::for_style(&"bob".parse().unwrap()).with_strands(200);
     let styling = Styling { growth: Some(growth), ..Styling::default() };
-    let parts = pollster::block_on(source.dress(&styling, &())).unwrap();
+    let parts = pollster::block_on(source.parts(&styling, &())).unwrap();
     let asset =
         pollster::block_on(CharacterAsset::new(context, parts, &CharacterOptions::default(), &())).unwrap();
     character.replace(&asset).unwrap();

@@ -24,7 +24,7 @@ fn editor(context: &Context, style: &str, strands: u32) -> Result<GroomEditor> {
     pollster::block_on(async {
         let source = drape::style(context, &style, &()).await?;
         let growth = Some(Growth::for_style(&style).with_strands(strands));
-        let groom = source.dress(&Styling { growth, ..Styling::default() }, &()).await?.groom;
+        let groom = source.parts(&Styling { growth, ..Styling::default() }, &()).await?.groom;
         let document = source.edit(groom, &CharacterFiles::Given(&[]))?;
         assert!(document.guides().len() >= 94 && *document.head() == HeadFiles::BuiltIn);
         Ok(source.editor(document, &()).await?)
@@ -231,10 +231,10 @@ fn built_in_style_grows_on_the_head_of_a_file() {
         assert!(source.style() == Some(&style) && !source.is_mannequin());
         let growth = Some(Growth::for_style(&style).with_strands(400));
         let styling = Styling { growth, ..Styling::default() };
-        let groom = source.dress(&styling, &()).await?.groom;
+        let groom = source.parts(&styling, &()).await?.groom;
         let document = source.edit(groom.clone(), &files)?;
         assert!(matches!(document.head(), HeadFiles::Files { files, .. } if files.len() == 1));
-        let built_in = drape::style(context, &style, &()).await?.dress(&styling, &()).await?;
+        let built_in = drape::style(context, &style, &()).await?.parts(&styling, &()).await?;
         Ok::<_, tresses::Error>((groom, source.editor(document, &()).await?, built_in.groom))
     };
     let (groom, editor, built_in) = pollster::block_on(run).unwrap();

@@ -46,7 +46,7 @@ async fn load(tresses: Context) -> Result<Guide> {
     let growth = Some(Growth::for_style(&style).with_strands(500));
     let face = FaceHair { beard: Beard::Short, ..Default::default() };
     let styling = Styling { growth, face, ..Default::default() };
-    let mut parts = source.dress(&styling, &()).await?;
+    let mut parts = source.parts(&styling, &()).await?;
     let turn = [Quat::IDENTITY, Quat::from_rotation_y(0.6)].map(|turn| turn.to_array()).concat();
     let curve = Curve { times: vec![0.0, 1.0], values: turn, ..Default::default() };
     let channels = vec![Channel { node: 2, property: Property::Rotation, curve }];
@@ -65,7 +65,7 @@ async fn filled(tresses: Context) -> Result<Character> {
     let files = CharacterFiles::Disk { grooms: &grooms, heads: &heads };
     let source = CharacterSource::imported(&files, &ImportOptions::default(), &()).await?;
     let fill = FillOptions { strand_count: Some(20_000), ..Default::default() };
-    let parts = source.dress(&Styling { fill, ..Default::default() }, &()).await?;
+    let parts = source.parts(&Styling { fill, ..Default::default() }, &()).await?;
     let asset = CharacterAsset::new(&tresses, parts, &CharacterOptions::default(), &()).await?;
     let ann = Character::new(&asset)?;
     Ok(ann)
