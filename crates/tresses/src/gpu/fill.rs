@@ -16,7 +16,7 @@ pub(crate) const ZEROED: [(&str, &str); 13] = [
     ("points", "no kernel writes the gaps between grooms; without a flag they hold no segment"),
     ("depths of lists", "0 for tiles whose previous frame is unknown"),
     // `wind`
-    ("air", "still before the first step, which slows it down by the hair"),
+    ("air", "the drag of the first step multiplies the old air by no hair"),
     ("air on faces", "as the air"),
     ("air pressure a", "pressure outside the grid is 0, and no kernel writes the rim"),
     ("air pressure b", "as air pressure a"),

@@ -299,6 +299,8 @@ impl Air {
             (step.end.point(self.center).as_dvec3() - self.zero) / cell - 0.5 * f64::from(self.cells);
         let corner = exact_corner.round().as_i64vec3();
         let reset = !self.started || step.mode == Mode::Reset;
+        // The hair's grid is not written by a step that resets hair: it holds earlier hair, or that of another head.
+        let hair = hair.filter(|_| !reset);
         // Teleported hair keeps its air.
         let corner_shift =
             if reset || step.mode == Mode::Rigid { I64Vec3::ZERO } else { corner - self.corner };
