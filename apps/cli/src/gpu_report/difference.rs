@@ -6,7 +6,7 @@ use crate::{bench::statistics::percentile, picture::Image};
 const GAIN: f64 = 8.0;
 
 /// Difference of two images.
-pub struct Difference {
+pub struct ImageDifference {
     /// Mean of the pixels, levels. The difference of a pixel is the mean of its three channels.
     pub mean: f64,
     /// 99th percentile of the pixels, levels.
@@ -16,7 +16,7 @@ pub struct Difference {
 }
 
 /// Returns the difference of `a` and `b`, or `None` if their sizes differ.
-pub fn difference(a: &Image, b: &Image) -> Option<Difference> {
+pub fn difference(a: &Image, b: &Image) -> Option<ImageDifference> {
     if (a.width, a.height) != (b.width, b.height) || a.rgba.len() != b.rgba.len() {
         return None;
     }
@@ -30,7 +30,7 @@ pub fn difference(a: &Image, b: &Image) -> Option<Difference> {
     let image = Image { width: a.width, height: a.height, rgba: levels.iter().flat_map(gray).collect() };
     let mean = levels.iter().sum::<f64>() / levels.len().max(1) as f64;
     levels.sort_by(f64::total_cmp);
-    Some(Difference { mean, p99: percentile(&levels, 0.99), image })
+    Some(ImageDifference { mean, p99: percentile(&levels, 0.99), image })
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::{
     report::Report,
-    section::{Figure, Section, State, Table},
+    section::{PartState, ReportFigure, ReportSection, Table},
 };
 use serde_json::Value;
 
@@ -41,11 +41,11 @@ pub fn page(report: &Report) -> String {
     )
 }
 
-fn section(section: &Section) -> String {
+fn section(section: &ReportSection) -> String {
     let state = match section.state {
-        State::Running => " (not finished)",
-        State::Complete => "",
-        State::Failed => " (failed)",
+        PartState::Running => " (not finished)",
+        PartState::Complete => "",
+        PartState::Failed => " (failed)",
     };
     let paragraph = |class: &str, text: &String| format!("<p{class}>{}</p>\n", escaped(text));
     let mut page = format!("<h2>{}{state}</h2>\n", escaped(&section.about));
@@ -91,7 +91,7 @@ fn cell(value: &Value) -> String {
     }
 }
 
-fn figure(figure: &Figure) -> String {
+fn figure(figure: &ReportFigure) -> String {
     let image = |(label, png): &(String, String)| {
         format!(
             "<span>{0}<img alt=\"{0}\" src=\"data:image/png;base64,{1}\"></span>",
@@ -133,7 +133,7 @@ fn escaped(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::report::Host, *};
+    use super::{super::report::HostInfo, *};
     use serde_json::json;
 
     #[test]
@@ -152,16 +152,16 @@ mod tests {
     #[test]
     fn page_escapes_all_text() {
         let bad = || "<script>".to_owned();
-        let section = Section {
+        let section = ReportSection {
             about: bad(),
             findings: vec![bad()],
             notes: vec![bad()],
             tables: vec![Table { title: bad(), columns: vec![bad()], rows: vec![vec![json!(bad())]] }],
-            figures: vec![Figure { caption: bad(), images: vec![(bad(), bad())] }],
+            figures: vec![ReportFigure { caption: bad(), images: vec![(bad(), bad())] }],
             messages: bad(),
-            ..Section::default()
+            ..ReportSection::default()
         };
-        let report = Report { verdict: bad(), host: Host::current(), sections: vec![section] };
+        let report = Report { verdict: bad(), host: HostInfo::current(), sections: vec![section] };
         let page = page(&report);
         assert!(!page.contains("<script>") && page.contains("&lt;script&gt;"), "{page}");
         let verdict = page.find("<p><strong>").unwrap();

@@ -2,7 +2,7 @@
 
 use super::{
     device,
-    difference::{Difference, difference},
+    difference::{ImageDifference, difference},
     scenes::{COMMON, SCENES, SceneCase},
     section::{Draft, cells},
 };
@@ -113,7 +113,7 @@ fn compare(
     Ok(found.filter(is_unusual).map(|found| format!("{} (mean {:.1})", case.name, found.mean)))
 }
 
-fn is_unusual(found: &Difference) -> bool {
+fn is_unusual(found: &ImageDifference) -> bool {
     found.mean > MAX_MEAN || found.p99 > MAX_P99
 }
 

@@ -26,8 +26,8 @@ pub use args::GpuArgs;
 use crate::{files, say};
 use anyhow::{Result, ensure};
 use args::Part;
-use report::{Host, Report};
-use section::Section;
+use report::{HostInfo, Report};
+use section::ReportSection;
 
 /// Runs `tresses gpu`.
 pub fn run(args: &GpuArgs) -> Result<()> {
@@ -45,10 +45,14 @@ pub fn run(args: &GpuArgs) -> Result<()> {
     );
     files::prepare(&args.out)?;
     let parts = Part::selected(args);
-    let mut report = Report { verdict: String::new(), host: Host::current(), sections: Vec::new() };
+    let mut report = Report { verdict: String::new(), host: HostInfo::current(), sections: Vec::new() };
     for (i, part) in parts.iter().enumerate() {
         say!("{} of {}: {}", i + 1, parts.len(), part.about());
-        let running = Section { name: part.name().into(), about: part.about().into(), ..Section::default() };
+        let running = ReportSection {
+            name: part.name().into(),
+            about: part.about().into(),
+            ..ReportSection::default()
+        };
         report.sections.push(running);
         write(args, &mut report)?;
         let section = worker::run(*part, args);

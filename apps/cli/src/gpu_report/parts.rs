@@ -4,7 +4,7 @@ use super::{
     adapters,
     args::{GpuArgs, Part},
     checks, device, frames, images, rates,
-    section::{Draft, Section, State},
+    section::{Draft, PartState, ReportSection},
     shaders, suite,
 };
 use anyhow::{Result, anyhow};
@@ -12,19 +12,20 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Runs `part` and prints its section. Errors and panics become findings.
 pub fn run(part: Part, args: &GpuArgs) {
-    let section = Section { name: part.name().into(), about: part.about().into(), ..Section::default() };
+    let section =
+        ReportSection { name: part.name().into(), about: part.about().into(), ..ReportSection::default() };
     let mut draft = Draft { section };
     // wgpu panics where it cannot return an error, for example after the device is lost.
     let caught = catch_unwind(AssertUnwindSafe(|| measure(part, args.quick, &mut draft)));
     match caught.unwrap_or_else(|panic| Err(anyhow!("{}", message(&*panic)))) {
-        Ok(()) => draft.section.state = State::Complete,
+        Ok(()) => draft.section.state = PartState::Complete,
         Err(error) => {
-            draft.section.state = State::Failed;
+            draft.section.state = PartState::Failed;
             draft.find(format!("ended early: {error:#}"));
         }
     }
     if let Some(loss) = device::take_loss() {
-        draft.section.state = State::Failed;
+        draft.section.state = PartState::Failed;
         draft.find(format!("the device was lost: {loss}"));
     }
     draft.keep();

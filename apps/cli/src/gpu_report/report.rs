@@ -1,6 +1,6 @@
 //! The report: the verdict, the machine and the sections.
 
-use super::section::{Section, State};
+use super::section::{PartState, ReportSection};
 use serde::Serialize;
 use std::{process::Command, time::SystemTime};
 
@@ -15,14 +15,14 @@ pub struct Report {
     /// The first line: results that a maintainer should look at.
     pub verdict: String,
     /// The program and the machine.
-    pub host: Host,
+    pub host: HostInfo,
     /// Results of the parts.
-    pub sections: Vec<Section>,
+    pub sections: Vec<ReportSection>,
 }
 
 /// The program and the machine.
 #[derive(Debug, Serialize)]
-pub struct Host {
+pub struct HostInfo {
     /// Version of the program.
     pub version: String,
     /// Commit, if the program runs in the repository and git is installed.
@@ -39,7 +39,7 @@ pub struct Host {
     pub environment: Vec<String>,
 }
 
-impl Host {
+impl HostInfo {
     /// Describes this program and this machine.
     pub fn current() -> Self {
         let git = || {
@@ -64,11 +64,11 @@ impl Host {
 }
 
 /// Returns the first line of the report.
-pub fn verdict(sections: &[Section]) -> String {
+pub fn verdict(sections: &[ReportSection]) -> String {
     let mut all: Vec<String> = Vec::new();
     for section in sections {
         all.extend(section.findings.iter().map(|finding| format!("{}: {}", section.name, quoted(finding))));
-        if section.state == State::Running {
+        if section.state == PartState::Running {
             all.push(format!("{}: did not finish", section.name));
         }
     }
@@ -96,23 +96,23 @@ fn quoted(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn section(name: &str, state: State, findings: &[&str]) -> Section {
+    fn section(name: &str, state: PartState, findings: &[&str]) -> ReportSection {
         let findings = findings.iter().map(|finding| (*finding).to_owned()).collect();
-        Section { name: name.into(), state, findings, ..Section::default() }
+        ReportSection { name: name.into(), state, findings, ..ReportSection::default() }
     }
 
     #[test]
     fn verdict_counts_and_quotes_findings() {
-        let good = section("rates", State::Complete, &[]);
+        let good = section("rates", PartState::Complete, &[]);
         assert_eq!(verdict(std::slice::from_ref(&good)), "Nothing unusual.");
-        let one = section("images", State::Complete, &["long differs"]);
+        let one = section("images", PartState::Complete, &["long differs"]);
         assert_eq!(verdict(&[good, one.clone()]), "1 thing to look at: images: long differs.");
-        let unfinished = section("frames", State::Running, &[]);
+        let unfinished = section("frames", PartState::Running, &[]);
         assert_eq!(
             verdict(&[one, unfinished]),
             "2 things to look at: images: long differs; frames: did not finish."
         );
-        let many = section("shaders", State::Failed, &["a"; 9]);
+        let many = section("shaders", PartState::Failed, &["a"; 9]);
         assert!(verdict(&[many]).ends_with("; and 3 more."));
     }
 

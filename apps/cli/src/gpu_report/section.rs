@@ -11,7 +11,7 @@ use std::io::Write;
 /// Progress of a part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum State {
+pub enum PartState {
     /// Not finished, or ended by a crash.
     #[default]
     Running,
@@ -23,13 +23,13 @@ pub enum State {
 
 /// Results of one part.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Section {
+pub struct ReportSection {
     /// Name of the part.
     pub name: String,
     /// Description of the part.
     pub about: String,
     /// Progress of the part.
-    pub state: State,
+    pub state: PartState,
     /// Elapsed time, seconds.
     pub seconds: f64,
     /// Results that a maintainer should look at.
@@ -39,7 +39,7 @@ pub struct Section {
     /// Results as tables.
     pub tables: Vec<Table>,
     /// Results as images.
-    pub figures: Vec<Figure>,
+    pub figures: Vec<ReportFigure>,
     /// Messages that the driver and the program wrote to standard error.
     pub messages: String,
 }
@@ -57,7 +57,7 @@ pub struct Table {
 
 /// Images side by side.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Figure {
+pub struct ReportFigure {
     /// Caption of all.
     pub caption: String,
     /// Labels, and PNG files in base64.
@@ -68,7 +68,7 @@ pub struct Figure {
 #[derive(Debug, Default)]
 pub struct Draft {
     /// The section so far.
-    pub section: Section,
+    pub section: ReportSection,
 }
 
 /// Creates the cells of a row.
@@ -104,7 +104,7 @@ impl Draft {
         let encode =
             |(label, image): &(&str, &Image)| Ok(((*label).to_owned(), STANDARD.encode(image.png()?)));
         let images = images.iter().map(encode).collect::<Result<_>>()?;
-        self.section.figures.push(Figure { caption: caption.into(), images });
+        self.section.figures.push(ReportFigure { caption: caption.into(), images });
         Ok(())
     }
 
@@ -131,6 +131,6 @@ mod tests {
         let [times, others] = &draft.section.tables[..] else { panic!("{:?}", draft.section.tables) };
         assert_eq!((times.rows.len(), others.rows.len()), (2, 1));
         let text = serde_json::to_string(&draft.section).unwrap();
-        assert_eq!(serde_json::from_str::<Section>(&text).unwrap(), draft.section);
+        assert_eq!(serde_json::from_str::<ReportSection>(&text).unwrap(), draft.section);
     }
 }

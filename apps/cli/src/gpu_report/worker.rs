@@ -2,7 +2,7 @@
 
 use super::{
     args::{GpuArgs, Part},
-    section::{Section, State},
+    section::{PartState, ReportSection},
 };
 use anyhow::{Context, Result};
 use std::{
@@ -16,12 +16,12 @@ use std::{
 const MAX_MESSAGES: usize = 8000;
 
 /// Runs `part` and returns its section. A part that fails has the results before the failure.
-pub fn run(part: Part, args: &GpuArgs) -> Section {
+pub fn run(part: Part, args: &GpuArgs) -> ReportSection {
     let start = Instant::now();
-    let mut section = spawned(part, args).unwrap_or_else(|error| Section {
-        state: State::Failed,
+    let mut section = spawned(part, args).unwrap_or_else(|error| ReportSection {
+        state: PartState::Failed,
         findings: vec![format!("did not start: {error:#}")],
-        ..Section::default()
+        ..ReportSection::default()
     });
     section.name = part.name().into();
     section.about = part.about().into();
@@ -29,7 +29,7 @@ pub fn run(part: Part, args: &GpuArgs) -> Section {
     section
 }
 
-fn spawned(part: Part, args: &GpuArgs) -> Result<Section> {
+fn spawned(part: Part, args: &GpuArgs) -> Result<ReportSection> {
     let program = std::env::current_exe().context("the path of this program")?;
     let mut command = Command::new(program);
     command.args(["gpu", "--part", part.name()]).args(args.quick.then_some("--quick"));
@@ -63,22 +63,22 @@ fn wait(child: &mut Child, limit: Duration) -> Result<Option<ExitStatus>> {
 }
 
 /// Adds a finding if the process ended before its part was complete.
-fn finish(section: &mut Section, ended: Option<ExitStatus>, limit: Duration) {
+fn finish(section: &mut ReportSection, ended: Option<ExitStatus>, limit: Duration) {
     let problem = match ended {
         None => format!("stopped after {} s", limit.as_secs()),
-        Some(status) if status.success() && section.state != State::Running => return,
+        Some(status) if status.success() && section.state != PartState::Running => return,
         Some(status) => format!("the process ended with {status}"),
     };
-    if section.state == State::Complete {
+    if section.state == PartState::Complete {
         section.notes.push(format!("{problem}, after the part was complete"));
     } else {
         section.findings.push(problem);
-        section.state = State::Failed;
+        section.state = PartState::Failed;
     }
 }
 
 /// Returns the last section of `lines` that is valid. Drivers may print lines of their own.
-fn last_section(lines: impl BufRead) -> Option<Section> {
+fn last_section(lines: impl BufRead) -> Option<ReportSection> {
     let mut last = None;
     for line in lines.split(b'\n').map_while(Result::ok) {
         if line.starts_with(b"{") {
@@ -102,7 +102,8 @@ mod tests {
 
     #[test]
     fn last_valid_section_is_kept() {
-        let line = |seconds| serde_json::to_string(&Section { seconds, ..Section::default() }).unwrap();
+        let line =
+            |seconds| serde_json::to_string(&ReportSection { seconds, ..ReportSection::default() }).unwrap();
         let text = format!("driver: hello\n{}\n{}\n{{\"name\": \"cut", line(1.0), line(2.0));
         assert_eq!(last_section(text.as_bytes()).unwrap().seconds, 2.0);
         assert_eq!(last_section("hello".as_bytes()), None);
@@ -110,11 +111,11 @@ mod tests {
 
     #[test]
     fn stopped_part_is_a_finding() {
-        let mut section = Section::default();
+        let mut section = ReportSection::default();
         finish(&mut section, None, Duration::from_secs(5));
-        assert_eq!((section.state, section.findings.len()), (State::Failed, 1));
-        let mut section = Section { state: State::Complete, ..Section::default() };
+        assert_eq!((section.state, section.findings.len()), (PartState::Failed, 1));
+        let mut section = ReportSection { state: PartState::Complete, ..ReportSection::default() };
         finish(&mut section, None, Duration::from_secs(5));
-        assert_eq!((section.state, section.findings.len(), section.notes.len()), (State::Complete, 0, 1));
+        assert_eq!((section.state, section.findings.len(), section.notes.len()), (PartState::Complete, 0, 1));
     }
 }
