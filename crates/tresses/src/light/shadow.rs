@@ -170,10 +170,12 @@ impl ShadowMaps {
     }
 
     pub(super) fn prepare(&self, context: &Context, lights: &LightsUniform) {
-        let Context { queue, .. } = context;
-        for (i, matrix) in lights.shadow.iter().enumerate() {
-            queue.write_buffer(&self.matrices, STEP * i as u64, bytemuck::bytes_of(matrix));
+        // One write: each costs a staging buffer, a barrier and a copy.
+        let mut bytes = [0; SHADOW_MAPS * STEP as usize];
+        for (slot, matrix) in bytes.chunks_exact_mut(STEP as usize).zip(&lights.shadow) {
+            slot[..size_of_val(matrix)].copy_from_slice(bytemuck::bytes_of(matrix));
         }
+        context.queue.write_buffer(&self.matrices, 0, &bytes);
     }
 
     /// Records the maps described by `lit`.

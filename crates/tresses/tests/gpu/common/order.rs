@@ -170,10 +170,18 @@ impl<'a> Entry<'a> {
                 name
             }
         };
-        let mut body = String::new();
-        if is_mapped {
-            let groups = require("num_workgroups", "order_groups");
+        let local = (!memory.is_empty()).then(|| require("local_invocation_index", "order_local"));
+        let groups = is_mapped.then(|| {
             require("workgroup_id", "order_id");
+            require("num_workgroups", "order_groups")
+        });
+        let mut body = String::new();
+        if let Some(local) = local {
+            body += &format!("var order_word = {NAN};\n");
+            body.extend(memory.iter().map(|own| own.filled(local, &format!("{x} * {y} * {z}"))));
+            body += "workgroupBarrier();\n";
+        }
+        if let Some(groups) = groups {
             body += &format!("let order_to = order_map(order_id, {groups});\n");
             for (builtin, name) in &mut inputs {
                 let mapped = match *builtin {
@@ -186,11 +194,6 @@ impl<'a> Entry<'a> {
                 body += &format!("let {name} = {mapped};\n");
                 *name = if *builtin == "workgroup_id" { "order_id" } else { "order_global" };
             }
-        } else if !memory.is_empty() {
-            let local = require("local_invocation_index", "order_local");
-            body += &format!("var order_word = {NAN};\n");
-            body.extend(memory.iter().map(|own| own.filled(local, &format!("{x} * {y} * {z}"))));
-            body += "workgroupBarrier();\n";
         }
         let ty = |builtin: &str| if builtin == "local_invocation_index" { "u32" } else { "vec3<u32>" };
         let inputs =
