@@ -171,11 +171,11 @@ impl ShadowMaps {
 
     pub(super) fn prepare(&self, context: &Context, lights: &LightsUniform) {
         // One write: each costs a staging buffer, a barrier and a copy.
-        let mut bytes = [0; SHADOW_MAPS * STEP as usize];
-        for (slot, matrix) in bytes.chunks_exact_mut(STEP as usize).zip(&lights.shadow) {
+        let mut slots = [[0; STEP as usize]; SHADOW_MAPS];
+        for (slot, matrix) in slots.iter_mut().zip(&lights.shadow) {
             slot[..size_of_val(matrix)].copy_from_slice(bytemuck::bytes_of(matrix));
         }
-        context.queue.write_buffer(&self.matrices, 0, &bytes);
+        context.queue.write_buffer(&self.matrices, 0, slots.as_flattened());
     }
 
     /// Records the maps described by `lit`.
