@@ -101,7 +101,10 @@ impl AssetLoader for HairGroomLoader {
         let groom = match settings.strands {
             Some(count) => {
                 let on = Head { mesh: mesh.as_ref(), field: head.as_ref() };
-                bind_filled(&fill(&strands, on, &Fill { strand_count: count, ..Default::default() })?, &options)?
+                bind_filled(
+                    &fill(&strands, on, &Fill { strand_count: count, ..Default::default() })?,
+                    &options,
+                )?
             }
             None => bind(&strands, &options)?,
         };

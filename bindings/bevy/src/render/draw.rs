@@ -29,7 +29,7 @@ use bevy::{
     },
 };
 use tresses::{
-    Camera, Character, Compositor, Context, Picture, Result, Shade, HostFrame, View, ViewOptions,
+    Camera, Character, Compositor, Context, HostFrame, Picture, Result, Shade, View, ViewOptions,
     renderer::Renderer,
     wgpu::{self, TextureFormat, TextureUsages},
 };

@@ -123,7 +123,7 @@ impl Overlays {
             view_formats: &[],
         });
         let geometry = texture.create_view(&Default::default());
-        let fog = bindings::uniform(device, LABEL, size_of::<[Vec4; 7]>());
+        let fog = bindings::uniform_buffer(device, LABEL, size_of::<[Vec4; 7]>());
         let entries = [Binding::Texels2d, Binding::Uniform];
         let bound = bindings::layout(device, LABEL, wgpu::ShaderStages::FRAGMENT, &entries);
         let resources = [wgpu::BindingResource::TextureView(&geometry), fog.as_entire_binding()];

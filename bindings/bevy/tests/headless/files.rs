@@ -4,14 +4,14 @@ use crate::common::{after, app, camera, fan, light, middle, settled, wait};
 use bevy::prelude::*;
 use bevy_tresses::{Hair3d, HairGroom, HairGroomSettings};
 use std::{fs, path::Path, time::Duration};
-use tresses::groom::{Strands, export::Writer, orient::Unit};
+use tresses::groom::{Strands, export::Writer, orient::LengthUnit};
 
 /// Writes the lowest `count` of the 900 strands of a fan, in meters.
 fn write(path: &Path, count: usize) {
     let (all, mut strands) = (fan(900), Strands::default());
     all.iter().take(count).for_each(|strand| strands.push(strand));
     let writer = Writer::of(path).expect("it is a groom");
-    let encoded = writer.strands(&strands, Some(Unit(1.0))).expect("it can be written");
+    let encoded = writer.strands(&strands, Some(LengthUnit(1.0))).expect("it can be written");
     fs::write(path, encoded.bytes).expect("there is room");
 }
 

@@ -9,7 +9,7 @@ use bevy_tresses::{Hair3d, HairGroom, HairSkin};
 use std::{fs, time::Duration};
 use tresses::groom::{
     Rig, Strands, TriMesh,
-    export::{Hair, Writer},
+    export::{ExportHair, Writer},
     mannequin,
     rig::{Animation, Channel, Curve, Property},
 };
@@ -41,7 +41,7 @@ fn gltf_scene_has_the_hair_of_its_file() {
     let (bust, rig) = body();
     let strands = tuft(&bust);
     assert!(strands.len() > 20, "{} strands", strands.len());
-    let hair = [Hair { name: "hair", strands: &strands, packed: false, look: None }];
+    let hair = [ExportHair { name: "hair", strands: &strands, packed: false, look: None }];
     let bytes = Writer::of("body.glb")
         .expect("it is written")
         .character(Some((&bust, Some(&rig))), &hair)

@@ -213,7 +213,7 @@ fn hair_off_the_skin_is_not_shown() {
     app.world_mut().entity_mut(hair).insert(far);
     assert!(!shown(&mut app), "roots are 5 cm away");
     assert!(after(&mut app, 1, &picture).is(&bare));
-    app.world_mut().entity_mut(hair).insert(HairSkin { reach: 0.06, ..far });
+    app.world_mut().entity_mut(hair).insert(HairSkin { max_root_distance: 0.06, ..far });
     assert!(shown(&mut app), "which is allowed");
     assert!(!after(&mut app, ALL, &picture).is(&bare));
     // Hair moves from a skin to no skin.
