@@ -1,5 +1,5 @@
-//! The `tresses` command: renders, converts and inspects hair. Public are [`run`], and the pieces of `tresses bench` for
-//! programs that measure more.
+//! The `tresses` command: renders, converts and inspects hair. Public are [`run`], and the pieces of `tresses bench`
+//! for programs that measure more.
 
 pub mod args;
 mod bake;

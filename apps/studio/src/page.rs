@@ -9,7 +9,7 @@ const MESSAGE: &str = "message";
 const AGAIN: &str = "again";
 
 /// How long the bytes of a download are kept, milliseconds.
-const TAKEN: i32 = 60_000;
+const DOWNLOAD_LIFETIME: i32 = 60_000;
 
 /// Makes the browser download `bytes` as the file `name`.
 ///
@@ -28,7 +28,8 @@ pub(crate) fn download(name: &str, bytes: &[u8]) -> Result<(), JsValue> {
     link.set_download(name);
     link.click();
     let forget = Closure::once_into_js(move || web_sys::Url::revoke_object_url(&url));
-    window.set_timeout_with_callback_and_timeout_and_arguments_0(forget.unchecked_ref(), TAKEN)?;
+    window
+        .set_timeout_with_callback_and_timeout_and_arguments_0(forget.unchecked_ref(), DOWNLOAD_LIFETIME)?;
     Ok(())
 }
 

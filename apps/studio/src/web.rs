@@ -26,27 +26,27 @@ pub struct Viewer {
 #[wasm_bindgen]
 impl Viewer {
     /// Opens the studio in `canvas`. `query` is the query string of an address ([`Options::of`]). `files` is an array
-    /// of alternating names and `Uint8Array`s to show first. `bare` hides everything but the viewport. `told` is called
-    /// with the state as JSON whenever it changes, except for fields that change every frame. Fails with one sentence
-    /// if an argument is invalid or the browser has no WebGPU.
+    /// of alternating names and `Uint8Array`s to show first. `hides_panels` hides everything but the viewport.
+    /// `on_change` is called with the state as JSON whenever it changes, except for fields that change every frame.
+    /// Fails with one sentence if an argument is invalid or the browser has no WebGPU.
     pub async fn open(
         canvas: web_sys::HtmlCanvasElement,
         query: String,
         files: js_sys::Array,
-        bare: bool,
-        told: js_sys::Function,
+        hides_panels: bool,
+        on_change: js_sys::Function,
     ) -> Result<Viewer, JsValue> {
-        let wanted = pairs(&query)?;
-        let wanted = wanted.iter().map(|(name, value)| (name.as_str(), value.as_str()));
+        let parameters = pairs(&query)?;
+        let parameters = parameters.iter().map(|(name, value)| (name.as_str(), value.as_str()));
         let mut options =
-            Options::of(wanted).map_err(|error| sentence(&error.context("the page's address")))?;
-        options.bare = bare;
+            Options::of(parameters).map_err(|error| sentence(&error.context("the page's address")))?;
+        options.hides_panels = hides_panels;
         // Companion files are loaded after the groom.
-        let mut later = Vec::new();
+        let mut deferred = Vec::new();
         for answer in sort::files(read(&files), true) {
             match answer {
                 Answer::Open(files) if options.given.is_none() => options.given = Some(files),
-                answer => later.push(answer),
+                answer => deferred.push(answer),
             }
         }
         let web = eframe::WebOptions { wgpu_options: device::configuration(), ..Default::default() };
@@ -57,7 +57,7 @@ impl Viewer {
             Box::new(move |context| {
                 let mut studio = Studio::new(context, options)?;
                 *opened.borrow_mut() = Some(studio.dialogs.clone());
-                studio.host.tell = Some(Box::new(move |now| tell(now, &state, &told)));
+                studio.host.tell = Some(Box::new(move |now| tell(now, &state, &on_change)));
                 Ok(Box::new(studio) as Box<dyn eframe::App>)
             })
         };
@@ -65,7 +65,7 @@ impl Viewer {
         let runner = eframe::WebRunner::new();
         runner.start(canvas, web, create).await?;
         let dialogs = opened.take().ok_or("the studio did not open")?;
-        later.into_iter().for_each(|answer| dialogs.tell(answer));
+        deferred.into_iter().for_each(|answer| dialogs.tell(answer));
         Ok(Self { runner, dialogs, state })
     }
 
@@ -106,31 +106,31 @@ fn text(state: &State) -> String {
     serde_json::to_string(state).unwrap_or_default()
 }
 
-/// Calls `told` if the state has changed in a field that does not change every frame.
-fn tell(now: &State, state: &RefCell<Option<State>>, told: &js_sys::Function) {
+/// Calls `on_change` if the state has changed in a field that does not change every frame.
+fn tell(now: &State, state: &RefCell<Option<State>>, on_change: &js_sys::Function) {
     let before = state.replace(Some(now.clone())).unwrap_or_default();
     // Leave out the fields that change every frame.
     let lasting = |state: &State| {
-        let State { strands, file, companions, step, error, playing, size, adapter, lost, .. } =
+        let State { strands, file, companion_files, step, error, playing, size, adapter, lost, .. } =
             state.clone();
-        let shown = u64::from(state.seen > 0);
+        let shown = u64::from(state.displayed_frame > 0);
         State {
             strands,
             file,
-            companions,
+            companion_files,
             step,
             error,
             playing,
             size,
             adapter,
             lost,
-            seen: shown,
+            displayed_frame: shown,
             ..Default::default()
         }
     };
     if lasting(&before) != lasting(now) {
         // An error thrown by the callback is in the console.
-        let _ = told.call1(&JsValue::NULL, &text(now).into());
+        let _ = on_change.call1(&JsValue::NULL, &text(now).into());
     }
 }
 

@@ -16,8 +16,9 @@
 //! by non-negative least squares, with the previously known factors as a prior. The default factors are from a software
 //! driver; their proportions serve on other devices until frames are timed. Bytes are counted, not estimated.
 //!
-//! The bias changes by at most [`MAX_BIAS_CHANGE`] octaves per frame, so that a single slow frame has no visible effect.
-//! Timings differ from run to run, and so may levels. For reproducible runs, leave [`Budget::milliseconds`] infinite.
+//! The bias changes by at most [`MAX_BIAS_CHANGE`] octaves per frame, so that a single slow frame has no visible
+//! effect. Timings differ from run to run, and so may levels. For reproducible runs, leave [`Budget::milliseconds`]
+//! infinite.
 //!
 //! [`CrowdBudget`](crate::character::CrowdBudget) applies a [`Budget`] to the characters of a frame.
 //! Hosts that own [`Hair`] directly call [`Budget::look_from`].

@@ -1,5 +1,5 @@
-//! Every shader translates to the languages of other systems: HLSL for Direct3D 12, MSL for Metal. Only naga translates;
-//! no driver compiles the result. Its SPIR-V for Vulkan is valid.
+//! Every shader translates to the languages of other systems: HLSL for Direct3D 12, MSL for Metal. Only naga
+//! translates; no driver compiles the result. Its SPIR-V for Vulkan is valid.
 
 use for_tests_naga::{
     Module,

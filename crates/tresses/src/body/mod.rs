@@ -121,8 +121,8 @@ impl Body {
 
     /// As [`new`](Self::new), with given levels of detail, finest first. `cells` is the largest number of cells per
     /// edge of the views' grids of ambient light
-    /// ([`ViewOptions::ambient_resolution`](crate::view::ViewOptions::ambient_resolution)): coarse grids need fewer points on the
-    /// surface.
+    /// ([`ViewOptions::ambient_resolution`](crate::view::ViewOptions::ambient_resolution)): coarse grids need fewer
+    /// points on the surface.
     pub fn with_levels(context: &Context, mesh: &TriMesh, levels: &[MeshLevel], cells: u32) -> Self {
         let Context { device, .. } = context;
         let vertices = vertices(mesh);

@@ -15,9 +15,10 @@
 //! ```
 //!
 //! **Updates in turn.** Ambient light of a distant zone is recomputed every second or third frame, each zone in another
-//! frame, and kept in between ([`Zone::ambient_interval`]) as long as the head has turned by less than a cell ([`Zone::pose`]).
-//! The grid moves with the focus. Shadow maps are redrawn in every frame, because they resolve strands: after a move by
-//! a few texels, hair lies behind the hair that was in front of it before, and is up to 28 % too dark.
+//! frame, and kept in between ([`Zone::ambient_interval`]) as long as the head has turned by less than a cell
+//! ([`Zone::pose`]). The grid moves with the focus. Shadow maps are redrawn in every frame, because they resolve
+//! strands: after a move by a few texels, hair lies behind the hair that was in front of it before, and is up to 28 %
+//! too dark.
 //!
 //! **Distance.** A small image of one head, or of a few side by side, is lit as one zone with a quarter of the texels
 //! and three fifths of the cells ([`View::fit_light`](crate::View::fit_light)), since the cost of maps and grid does

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! The grid is a cube of cells around [`Picture::focus`](crate::view::Picture::focus) with
-//! [`ViewOptions::ambient_resolution`](crate::view::ViewOptions::ambient_resolution) cells per edge, rebuilt each frame.
-//! `splat_hair` adds the area of the hair (width times length) in fixed point. `skin` adds sample points of mesh
+//! [`ViewOptions::ambient_resolution`](crate::view::ViewOptions::ambient_resolution) cells per edge, rebuilt each
+//! frame. `splat_hair` adds the area of the hair (width times length) in fixed point. `skin` adds sample points of mesh
 //! surfaces ([`Surface`](crate::body::Surface)). `splat_radiance` adds the radiance that leaves them, from the
 //! shadow-mapped lights and the sky. `settle` turns the sums into means.
 //!

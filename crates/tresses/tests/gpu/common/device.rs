@@ -1,4 +1,5 @@
-//! One context per test thread. Pipelines are compiled once per context; a software driver needs seconds for all of them.
+//! One context per test thread. Pipelines are compiled once per context; a software driver needs seconds for all of
+//! them.
 
 use tresses::{
     Character, Context, Gpu, Picture, Pose, Result, View,
