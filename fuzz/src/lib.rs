@@ -7,11 +7,11 @@ use tresses_groom::{
     cooked::HEADER,
     edit::{GroomDocument, GroomEditor, HeadFiles, StrokeScript},
     error::Result,
-    export::{Hair, Writer},
+    export::{ExportHair, Writer},
     glam::{Mat4, Vec2, Vec3},
     import::{FileBytes, ImportOptions, read_given, read_given_body},
-    orient::{Choice, Unit},
-    rig::{Animation, Bind, Channel, Curve, Delta, Joint, Node, Property, Rig, Target},
+    orient::{LengthUnit, OrientationOverride},
+    rig::{Animation, Bind, Channel, Curve, Delta, Joint, MorphTarget, Node, Property, Rig},
 };
 
 /// An edit of a file. Positions are fractions of its length, so that one list of edits fits files of any length.
@@ -157,13 +157,13 @@ pub const STROKES: &str = r#"{"version":1}
 fn document() -> GroomDocument {
     let options = BindOptions {
         guides: GuideCount::All,
-        guide_vertices: Some(5),
-        strand_vertices: Some(5),
+        guide_vertex_count: Some(5),
+        strand_vertex_count: Some(5),
         ..BindOptions::default()
     };
     let groom = bind(&strands(), &options).expect("it is valid");
     let files = vec![("head.obj".into(), b"v 0 0 0"[..].into())];
-    let head = HeadFiles::Files { files, orientation: Choice::METERS };
+    let head = HeadFiles::Files { files, orientation: OrientationOverride::METERS };
     GroomDocument::new(groom, head, 0.0).expect("it is valid")
 }
 
@@ -206,7 +206,7 @@ pub fn stroked(name: &str, bytes: &[u8]) -> Result<usize> {
 /// # Panics
 /// If the writer fails, which is a bug.
 pub fn written(name: &str) -> Vec<u8> {
-    writer(name).strands(&strands(), Some(Unit(1.0))).expect("strands are written").bytes
+    writer(name).strands(&strands(), Some(LengthUnit(1.0))).expect("strands are written").bytes
 }
 
 /// Returns the strands and a mesh of four vertices as one compressed file.
@@ -216,7 +216,7 @@ pub fn written(name: &str) -> Vec<u8> {
 pub fn packed() -> Vec<u8> {
     let (mesh, strands) = (tetrahedron(), strands());
     let look = Look::default();
-    let hair = [Hair { name: "hair", strands: &strands, packed: true, look: Some(&look) }];
+    let hair = [ExportHair { name: "hair", strands: &strands, packed: true, look: Some(&look) }];
     writer("a.glb").character(Some((&mesh, None)), &hair).expect("a character is written")
 }
 
@@ -280,7 +280,8 @@ fn tetrahedron() -> TriMesh {
 /// As [`written`].
 pub fn living(name: &str, hair: bool) -> Vec<u8> {
     let (mesh, strands) = (tetrahedron(), strands());
-    let hair = &[Hair { name: "hair", strands: &strands, packed: false, look: None }][..usize::from(hair)];
+    let hair =
+        &[ExportHair { name: "hair", strands: &strands, packed: false, look: None }][..usize::from(hair)];
     writer(name).character(Some((&mesh, Some(&rig(&mesh)))), hair).expect("a character is written")
 }
 
@@ -311,7 +312,7 @@ fn rig(mesh: &TriMesh) -> Rig {
         nodes: vec![Node::default(), Node { parent: Some(0), weights: vec![(0, 0.5)], ..Default::default() }],
         joints: vec![Joint { node: 1, inverse_bind: Mat4::IDENTITY }],
         vertices: mesh.positions.iter().zip(&mesh.normals).map(bind).collect(),
-        targets: vec![Target {
+        targets: vec![MorphTarget {
             name: "smile".into(),
             deltas: vec![Delta { vertex: 2, position: Vec3::X, normal: Vec3::ZERO }],
         }],
