@@ -55,7 +55,7 @@ pub struct Frame<'a> {
 ///     milliseconds: f64,
 /// ) -> Result<()> {
 ///     let picture = &Picture::default();
-///     budget.costs.fit(&budget.chosen.work, milliseconds);
+///     budget.costs.fit(&budget.detail.work, milliseconds);
 ///     for (character, pose) in crowd.iter_mut().zip(poses) {
 ///         character.set_pose(*pose);
 ///     }
