@@ -7,8 +7,7 @@ use tresses::{Context, Gpu, low_level::Tier};
 /// Returns egui's device configuration.
 pub fn configuration() -> WgpuConfiguration {
     let mut setup = WgpuSetupCreateNew::without_display_handle();
-    // OpenGL lacks features that the compute stages need.
-    setup.instance_descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
+    setup.instance_descriptor = Gpu::instance_descriptor();
     setup.power_preference = wgpu::PowerPreference::HighPerformance;
     setup.device_descriptor = Arc::new(|adapter| wgpu::DeviceDescriptor {
         label: Some("tresses studio"),

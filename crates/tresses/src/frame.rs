@@ -261,8 +261,8 @@ impl Recorder<'_> {
         view: &View,
         drawing: Drawing<'_>,
     ) -> Result<()> {
-        let Drawing { picture, output, shows, writes_labels: labels, hides_bodies: hair_only } = drawing;
-        let bodies = if hair_only { &[][..] } else { bodies };
+        let Drawing { picture, output, shows, writes_labels, hides_bodies } = drawing;
+        let bodies = if hides_bodies { &[][..] } else { bodies };
         let inside = match &shows {
             ViewContent::Inside(_, shown) => Some(*shown),
             _ => None,
@@ -299,8 +299,8 @@ impl Recorder<'_> {
             lights: &picture.lights,
             focus: &picture.focus,
             renderer,
-            geometry: Compositor::identity_depth_map(renderer, labels)?,
-            labels,
+            geometry: Compositor::identity_depth_map(renderer, writes_labels)?,
+            writes_labels,
             space: hair.first().map(|hair| hair.motion.drawn_in).unwrap_or_default(),
         };
         let output = output.unwrap_or_else(|| view.targets().picture());

@@ -249,7 +249,7 @@ impl Hair {
     }
 
     /// Whether the hair was in view at the last call of [`look_from`](Self::look_from). Hair that is out of view and
-    /// may [sleep](crate::lod::LodOptions::sleep) is neither simulated nor drawn.
+    /// may [sleep](crate::lod::LodOptions::can_sleep) is neither simulated nor drawn.
     pub fn is_visible(&self) -> bool {
         !self.sleep.out_of_view
     }

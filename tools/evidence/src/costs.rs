@@ -13,7 +13,7 @@ use tresses::{
 };
 use tresses_cli::bench::{
     Sitting,
-    results::frame_range,
+    results::{StageSamples, frame_range},
     statistics::Summary,
     table::{ms, table},
     workload,
@@ -120,34 +120,12 @@ struct Rig {
     clock: Clock,
 }
 
-/// Times per stage in every frame of a run.
-struct Rows(Vec<(&'static str, Vec<f64>)>);
-
 /// The same hair with other options.
 #[derive(Clone)]
 struct Variant {
     options: HairOptions,
     physics: SimulationParams,
     colliders: Vec<(Collider, Pose)>,
-}
-
-impl Rows {
-    /// Adds a frame.
-    fn add(&mut self, times: Vec<(&'static str, f64)>) {
-        for (name, ms) in times {
-            match self.0.iter_mut().find(|(known, _)| *known == name) {
-                Some((_, values)) => values.push(ms),
-                None => self.0.push((name, vec![ms])),
-            }
-        }
-    }
-
-    /// Sums the times of the named stages per frame.
-    fn sum(&self, names: &[&str]) -> Summary {
-        let rows: Vec<_> = self.0.iter().filter(|(name, _)| names.contains(name)).collect();
-        let frames = rows.iter().map(|(_, times)| times.len()).min().unwrap_or(0);
-        Summary::of((0..frames).map(|i| rows.iter().map(|(_, times)| times[i]).sum()).collect())
-    }
 }
 
 impl Rig {
@@ -161,14 +139,14 @@ impl Rig {
 
     /// Measures each variant while the head turns. The frames of the variants alternate, so that other programs on the
     /// machine slow all of them equally.
-    fn run(&self, variants: &[Variant], bar: &ProgressBar) -> Result<Vec<Rows>> {
+    fn run(&self, variants: &[Variant], bar: &ProgressBar) -> Result<Vec<StageSamples>> {
         let (context, tier) = (&self.context, self.context.tier());
         let mut timings = match tier.timestamps && !tier.software {
             true => Timings::new(context),
             false => Timings::by(self.clock),
         };
         let mut hairs = variants.iter().map(|v| self.hair(v)).collect::<Result<Vec<_>>>()?;
-        let mut rows: Vec<Rows> = variants.iter().map(|_| Rows(Vec::new())).collect();
+        let mut rows: Vec<StageSamples> = variants.iter().map(|_| StageSamples::default()).collect();
         let motion = Motion::named("turn").context("a built-in motion")?;
         for frame in 0..WARM_UP + self.frames {
             let head = motion.pose(f64::from(frame) / FPS, self.character.neck);

@@ -13,15 +13,12 @@ const IRREGULAR: &str = "Begun Bound Brought Built Chosen Done Drawn Found Given
 /// Nouns that end in "ed".
 const NOUNS: &str = "Seed Speed Bed";
 
-/// Words that name no file, because graphics and programming have other terms for what they mean.
+/// Words for which graphics and programming have other terms. No file name contains one.
 const FILE_WORDS: &str = "aim alone along answers apart aside ask asked asks bare begun beside beyond bring busy carried \
                           carries carry choose chosen deepen farthest few glow gone here its lay least lid looks \
                           made meet meets met middle most moved ours place places reach reaches rewind room said seen \
                           see sees share shares shine sight sunk taken than theirs there thing things told turn turned \
                           turns under unlike unrest usual wanted way ways whole worth";
-/// Files that have such a word, and why.
-const FILE_EXCEPTIONS: &[(&str, &str)] = &[];
-
 /// Public types whose names occur in several crates, and why.
 const SHARED_TYPES: &[(&str, &str)] = &[
     ("Error", "the error of each library, as is usual in Rust"),
@@ -100,7 +97,7 @@ fn faults(folder: &Path) -> Vec<String> {
             if is_participle(&name) {
                 faults.push(format!("{}: {name} is no noun", path.display()));
             }
-            // `none.rs` stands in for a module whose feature is off, and repeats its names.
+            // `none.rs` replaces a module without its feature, and repeats the names.
             if is_public && !path.ends_with("none.rs") {
                 public.entry(name).or_default().insert(path.clone());
             }
@@ -163,10 +160,7 @@ fn files_are_named_by_terms() {
     }
     assert!(found.len() > 500, "{}", found.len());
     let stem = |path: &PathBuf| path.file_stem().unwrap().to_string_lossy().into_owned();
-    found.retain(|path| {
-        let is_exception = FILE_EXCEPTIONS.iter().any(|(name, _)| *name == stem(path));
-        !is_exception && stem(path).split('_').any(|word| words.contains(word))
-    });
+    found.retain(|path| stem(path).split('_').any(|word| words.contains(word)));
     assert!(found.is_empty(), "{found:#?}");
 }
 

@@ -1,7 +1,7 @@
 //! Cost of many heads with one groom at 2 to 40 m, compared with one head in a portrait.
 
 use super::{
-    results::StageTime,
+    results::{StageSamples, StageTime},
     sitting::Sitting,
     statistics::Summary,
     table::{ms, table},
@@ -88,10 +88,10 @@ pub fn measure(heads: u32, sitting: Sitting<'_>) -> Result<CrowdTimes> {
             + scene.view.shaded_bytes()
             + scene.targets().bytes(),
     ];
-    let mut stages = [Vec::new(), Vec::new()];
+    let mut stages = [(); 2].map(|()| StageSamples::default());
     for frame in 1..=STAGED {
         let measured = scene.measured_frame(&gesture(WARM_UP + frames + frame), dt, &camera)?;
-        gather(&mut stages[0], measured.stages);
+        stages[0].add(measured.stages);
     }
     let options = CrowdOptions { heads, rows: ROWS, pigments: true };
     let mut crowd = Crowd::new(&mut scene, &options)?;
@@ -102,7 +102,7 @@ pub fn measure(heads: u32, sitting: Sitting<'_>) -> Result<CrowdTimes> {
         let staged = frame > WARM_UP + frames;
         let measured = scene.measured_crowd(&mut crowd, &motion, times, staged)?;
         if staged {
-            gather(&mut stages[1], measured.stages);
+            stages[1].add(measured.stages);
         } else if frame > WARM_UP {
             all.push(measured.wall);
             bar.inc(1);
@@ -112,20 +112,11 @@ pub fn measure(heads: u32, sitting: Sitting<'_>) -> Result<CrowdTimes> {
         heads,
         portrait: Summary::of(portrait),
         crowd: Summary::of(all),
-        stages: stages.map(StageTime::all),
+        stages: stages.map(StageSamples::summarize),
         single_head_bytes,
         bytes: crowd.bytes(&scene),
         rows: rows(&crowd.distances(), &crowd.detail().heads),
     })
-}
-
-fn gather(stages: &mut Vec<(&'static str, Vec<f64>)>, measured: Vec<(&'static str, f64)>) {
-    for (name, ms) in measured {
-        match stages.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, values)) => values.push(ms),
-            None => stages.push((name, vec![ms])),
-        }
-    }
 }
 
 /// Groups heads by distance, in steps of a factor of 1.5.
@@ -240,8 +231,8 @@ mod tests {
             portrait: Summary { median: 10.0, p95: 10.0 },
             crowd: Summary { median: ms, p95: ms },
             stages: [
-                StageTime::all(vec![("shadow", vec![1.0])]),
-                StageTime::all(vec![("shadow", vec![3.0])]),
+                vec![StageTime { name: "shadow".into(), time: Summary::of(vec![1.0]) }],
+                vec![StageTime { name: "shadow".into(), time: Summary::of(vec![3.0]) }],
             ],
             single_head_bytes: [1; 2],
             bytes: [1; 3],

@@ -2,7 +2,7 @@
 //! and the number of pixels that the hair covers.
 
 use super::{
-    results::StageTime,
+    results::{StageSamples, StageTime},
     sitting::Sitting,
     statistics::Summary,
     table::{ms, table},
@@ -79,7 +79,7 @@ fn point(scene: &mut Photographer, camera: &Viewpoint, sitting: Sitting<'_>) -> 
         scene.set_lod(lod_options(mode))?;
         scene.watch(camera);
         scene.reset(&motion.gesture(0.0, pivot))?;
-        let mut stages: Vec<(&'static str, Vec<f64>)> = Vec::new();
+        let mut stages = StageSamples::default();
         let (mut strands, mut guides, mut frame_times) = (Vec::new(), Vec::new(), Vec::new());
         for frame in 0..WARM_UP + frames {
             let pose = motion.gesture(f64::from(frame + 1) / FPS, pivot);
@@ -89,20 +89,11 @@ fn point(scene: &mut Photographer, camera: &Viewpoint, sitting: Sitting<'_>) -> 
                 continue;
             }
             bar.inc(1);
-            let (mut of_strands, mut of_guides) = (0.0, 0.0);
-            for (name, ms) in times.into_iter().filter(|(name, _)| !OTHERS.contains(name)) {
-                if MOVING.contains(&name) {
-                    of_guides += ms;
-                    continue;
-                }
-                of_strands += ms;
-                match stages.iter_mut().find(|(known, _)| *known == name) {
-                    Some((_, values)) => values.push(ms),
-                    None => stages.push((name, vec![ms])),
-                }
-            }
-            strands.push(of_strands);
-            guides.push(of_guides);
+            let times = times.into_iter().filter(|(name, _)| !OTHERS.contains(name));
+            let (of_guides, of_strands): (Vec<_>, Vec<_>) =
+                times.partition(|(name, _)| MOVING.contains(name));
+            strands.push(stages.add(of_strands));
+            guides.push(of_guides.iter().map(|(_, ms)| ms).sum::<f64>());
             frame_times.push(wall);
         }
         let detail = scene.detail();
@@ -110,7 +101,7 @@ fn point(scene: &mut Photographer, camera: &Viewpoint, sitting: Sitting<'_>) -> 
             strands: detail.strand_count,
             segments: detail.segment_count,
             strand_stages: Summary::of(strands),
-            stages: StageTime::all(stages),
+            stages: stages.summarize(),
             guide_stages: guides.iter().sum::<f64>() / f64::from(frames.max(1)),
             frame: Summary::of(frame_times),
         });
@@ -199,7 +190,7 @@ mod tests {
             strands: 20_000,
             segments: 31.0,
             strand_stages: Summary { median: ms, p95: ms },
-            stages: StageTime::all(vec![("shadow", vec![ms])]),
+            stages: vec![StageTime { name: "shadow".into(), time: Summary::of(vec![ms]) }],
             guide_stages: 1.0,
             frame: Summary::default(),
         };

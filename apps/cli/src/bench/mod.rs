@@ -7,7 +7,8 @@ mod adapter;
 mod args;
 mod crowd;
 mod lod;
-mod recorded;
+mod machine;
+pub mod recorded;
 mod report;
 pub mod results;
 mod sitting;
@@ -18,6 +19,7 @@ pub mod workload;
 
 pub use adapter::Adapter;
 pub use args::{BenchArgs, PROCESSOR, TimingArgs};
+pub use machine::Machine;
 pub use sitting::Sitting;
 
 use crate::{progress, say};

@@ -25,6 +25,17 @@ pub struct StageCommands {
     pub bytes: u64,
 }
 
+impl StageCommands {
+    /// Names of [`numbers`](Self::numbers).
+    pub const NAMES: [&'static str; 6] =
+        ["passes", "dispatches", "draws", "pipelines", "bind groups", "transfers"];
+
+    /// Returns the numbers of commands.
+    pub fn numbers(&self) -> [u32; 6] {
+        [self.passes, self.dispatches, self.draws, self.pipelines, self.groups, self.transfers]
+    }
+}
+
 impl From<(&str, Counts)> for StageCommands {
     fn from((stage, counts): (&str, Counts)) -> Self {
         let Counts { passes, dispatches, draws, pipelines, groups, transfers, bytes } = counts;
@@ -32,22 +43,21 @@ impl From<(&str, Counts)> for StageCommands {
     }
 }
 
+/// Returns the numbers of commands of all `stages`.
+pub fn sums(stages: &[StageCommands]) -> [u32; 6] {
+    std::array::from_fn(|i| stages.iter().map(|stage| stage.numbers()[i]).sum())
+}
+
 /// Formats a table with sums; empty without stages.
 pub fn text(stages: &[StageCommands]) -> String {
     if stages.is_empty() {
         return String::new();
     }
-    let head = ["recorded", "passes", "dispatches", "draws", "pipelines", "bind groups", "transfers"];
-    let numbers = |of: &StageCommands| {
-        [of.passes, of.dispatches, of.draws, of.pipelines, of.groups, of.transfers].map(u64::from)
-    };
-    let line = |name: &str, numbers: [u64; 6]| {
-        std::iter::once(name.to_owned()).chain(numbers.map(|n| n.to_string())).collect::<Vec<_>>()
-    };
-    let mut rows = vec![head.map(String::from).to_vec()];
-    rows.extend(stages.iter().map(|stage| line(&stage.stage, numbers(stage))));
-    let sum = |i: usize| stages.iter().map(|stage| numbers(stage)[i]).sum();
-    rows.push(line("the frame", std::array::from_fn(sum)));
+    let line =
+        |name: &str, cells: [String; 6]| std::iter::once(name.to_owned()).chain(cells).collect::<Vec<_>>();
+    let mut rows = vec![line("recorded", StageCommands::NAMES.map(String::from))];
+    rows.extend(stages.iter().map(|stage| line(&stage.stage, stage.numbers().map(|n| n.to_string()))));
+    rows.push(line("the frame", sums(stages).map(|n| n.to_string())));
     table(&rows)
 }
 

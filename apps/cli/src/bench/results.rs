@@ -65,11 +65,35 @@ pub struct StageTime {
     pub time: Summary,
 }
 
-impl StageTime {
-    /// Summarizes the times of each stage.
-    pub fn all(stages: Vec<(&'static str, Vec<f64>)>) -> Vec<Self> {
-        let row = |(name, times): (&str, _)| Self { name: name.into(), time: Summary::of(times) };
-        stages.into_iter().map(row).collect()
+/// Times of each stage in several frames, milliseconds.
+#[derive(Debug, Default)]
+pub struct StageSamples(Vec<(&'static str, Vec<f64>)>);
+
+impl StageSamples {
+    /// Adds the times of a frame. Returns their sum.
+    pub fn add(&mut self, times: impl IntoIterator<Item = (&'static str, f64)>) -> f64 {
+        let mut sum = 0.0;
+        for (name, ms) in times {
+            sum += ms;
+            match self.0.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, values)) => values.push(ms),
+                None => self.0.push((name, vec![ms])),
+            }
+        }
+        sum
+    }
+
+    /// Summarizes the sum of the named stages per frame.
+    pub fn sum(&self, names: &[&str]) -> Summary {
+        let rows: Vec<_> = self.0.iter().filter(|(name, _)| names.contains(name)).collect();
+        let frames = rows.iter().map(|(_, times)| times.len()).min().unwrap_or(0);
+        Summary::of((0..frames).map(|i| rows.iter().map(|(_, times)| times[i]).sum()).collect())
+    }
+
+    /// Summarizes each stage.
+    pub fn summarize(self) -> Vec<StageTime> {
+        let row = |(name, times): (&str, _)| StageTime { name: name.into(), time: Summary::of(times) };
+        self.0.into_iter().map(row).collect()
     }
 }
 
@@ -135,5 +159,21 @@ impl SceneResults {
         row("whole frame", &|run| run.frame);
         // Shows the commands of the last run only; runs at rest record the same commands.
         text + &table(&rows) + &self.runs.last().map_or(String::new(), |run| recorded::text(&run.recorded))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stages_of_frames_are_collected_by_name() {
+        let mut samples = StageSamples::default();
+        let frames = [vec![("simulate", 1.0), ("draw", 2.0)], vec![("simulate", 3.0), ("draw", 4.0)]];
+        assert_eq!(frames.map(|frame| samples.add(frame)), [3.0, 7.0]);
+        assert_eq!(samples.sum(&["draw", "other"]), Summary::of(vec![2.0, 4.0]));
+        let stages = samples.summarize();
+        assert_eq!(stages.iter().map(|stage| stage.name.as_str()).collect::<Vec<_>>(), ["simulate", "draw"]);
+        assert_eq!(stages[0].time, Summary::of(vec![1.0, 3.0]));
     }
 }

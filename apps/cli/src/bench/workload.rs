@@ -2,7 +2,7 @@
 
 use super::{
     recorded::StageCommands,
-    results::{Run, SceneResults, StageTime, StrandPoint},
+    results::{Run, SceneResults, StageSamples, StrandPoint},
     sitting::Sitting,
     statistics::Summary,
 };
@@ -265,7 +265,7 @@ pub fn run(
     let motion = Motion::named(motion).context("a built-in motion")?;
     let pivot = scene.character.neck();
     scene.reset(&motion.gesture(0.0, pivot))?;
-    let mut stages: Vec<(&'static str, Vec<f64>)> = Vec::new();
+    let mut stages = StageSamples::default();
     let (mut sums, mut walls, mut counts) = (Vec::new(), Vec::new(), Vec::new());
     let start = Instant::now();
     for frame in 0..WARM_UP + frames {
@@ -280,19 +280,13 @@ pub fn run(
         }
         bar.inc(1);
         walls.push(measured.wall);
-        sums.push(measured.stages.iter().map(|(_, ms)| ms).sum());
         counts = measured.counts;
-        for (name, ms) in measured.stages {
-            match stages.iter_mut().find(|(known, _)| *known == name) {
-                Some((_, values)) => values.push(ms),
-                None => stages.push((name, vec![ms])),
-            }
-        }
+        sums.push(stages.add(measured.stages));
     }
     Ok(Run {
         state: state.into(),
         frames: walls.len() as u32,
-        stages: StageTime::all(stages),
+        stages: stages.summarize(),
         recorded: counts.into_iter().map(StageCommands::from).collect(),
         gpu: Summary::of(sums),
         frame: Summary::of(walls),

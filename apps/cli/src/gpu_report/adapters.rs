@@ -54,13 +54,7 @@ fn describe(draft: &mut Draft, name: &str, adapter: &wgpu::Adapter) {
         "device opens",
     ];
     let (info, tier) = (adapter.get_info(), Tier::of(adapter));
-    let opened = block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-        label: Some("tresses"),
-        required_features: Tier::features(adapter),
-        required_limits: adapter.limits(),
-        ..Default::default()
-    }));
-    let problem = opened.err().map(|error| error.to_string());
+    let problem = block_on(Gpu::on(adapter.clone())).err().map(|error| error.to_string());
     if let Some(problem) = &problem {
         draft.find(format!("{name}: the device does not open: {problem}"));
     }

@@ -43,12 +43,12 @@ pub enum Part {
 
 impl Part {
     /// Parts that always run.
-    const USUAL: [Self; 6] =
+    const DEFAULT: [Self; 6] =
         [Self::Adapters, Self::Shaders, Self::Checks, Self::Images, Self::Rates, Self::Frames];
 
     /// Returns the parts that `args` select.
     pub fn selected(args: &GpuArgs) -> Vec<Self> {
-        Self::USUAL.into_iter().chain(args.tests.then_some(Self::Tests)).collect()
+        Self::DEFAULT.into_iter().chain(args.tests.then_some(Self::Tests)).collect()
     }
 
     /// Returns the name, as `--part` takes it.

@@ -17,7 +17,7 @@ const FRAMES: u32 = 12;
 /// Largest distance of a strand from the origin, meters.
 const MAX_DISTANCE: f32 = 5.0;
 
-/// Least alpha of pixels that hair covers fully.
+/// Minimum alpha of pixels that hair covers fully.
 const OPAQUE: u8 = 250;
 
 /// Result of a check: whether it passed, and details.
@@ -27,12 +27,12 @@ type Verdict = Result<(bool, String)>;
 pub fn measure(draft: &mut Draft) -> Result<()> {
     let gpu = device::open()?;
     add(draft, "buffer is read back as written", read_back(&gpu));
-    let (mut tiles, camera) = moved(&gpu, "tiles")?;
+    let (mut tiles, camera) = animated(&gpu, "tiles")?;
     add(draft, "image has only finite values", finite_image(&mut tiles, &camera));
     add(draft, "guides are finite", finite_guides(&tiles));
     add(draft, "strands are finite", finite_strands(&tiles));
     drop(tiles);
-    let (mut masks, camera) = moved(&gpu, "masks")?;
+    let (mut masks, camera) = animated(&gpu, "masks")?;
     add(draft, "masks cover pixels partly", partial_coverage(&mut masks, &camera));
     Ok(())
 }
@@ -47,7 +47,7 @@ fn add(draft: &mut Draft, name: &str, verdict: Verdict) {
 }
 
 /// Returns a scene after [`FRAMES`] frames of a turning head, and its camera.
-fn moved(gpu: &Gpu, renderer: &'static str) -> Result<(Photographer, Viewpoint)> {
+fn animated(gpu: &Gpu, renderer: &'static str) -> Result<(Photographer, Viewpoint)> {
     let mut preset = Preset::default();
     preset.settings.set("style.strands", 2000)?;
     preset.settings.set("renderer.kind", Value::Choice(renderer))?;
@@ -108,9 +108,10 @@ fn finite_strands(scene: &Photographer) -> Verdict {
 /// Checks that positions are finite and near the head.
 fn positions(positions: &[tresses::glam::Vec3]) -> (bool, String) {
     let bad = positions.iter().filter(|position| !position.is_finite()).count();
-    let farthest = positions.iter().map(|position| position.length()).fold(0.0, f32::max);
-    let detail = format!("{bad} of {} vertices are not finite; farthest {farthest:.2} m", positions.len());
-    (bad == 0 && !positions.is_empty() && farthest < MAX_DISTANCE, detail)
+    let max_distance = positions.iter().map(|position| position.length()).fold(0.0, f32::max);
+    let detail =
+        format!("{bad} of {} vertices are not finite; farthest {max_distance:.2} m", positions.len());
+    (bad == 0 && !positions.is_empty() && max_distance < MAX_DISTANCE, detail)
 }
 
 fn partial_coverage(scene: &mut Photographer, camera: &Viewpoint) -> Verdict {

@@ -9,7 +9,8 @@ use crate::{
     args::Size,
     bench::{
         Sitting,
-        results::Run,
+        recorded::StageCommands,
+        results::StageTime,
         statistics::Summary,
         workload::{self, TILES, style},
     },
@@ -17,6 +18,7 @@ use crate::{
 };
 use anyhow::{Context, Result};
 use indicatif::ProgressBar;
+use serde_json::{Value, json};
 use std::time::Duration;
 use tresses::{Gpu, low_level::wall};
 use tresses_scene::{Motion, Preset};
@@ -37,7 +39,7 @@ struct FrameCase {
     size: Size,
     counts: FrameCounts,
     /// Frames that are measured alone.
-    alone: u32,
+    single_frames: u32,
 }
 
 /// Measures all cases on the default adapter.
@@ -63,12 +65,12 @@ fn cases(software: bool, quick: bool) -> Vec<FrameCase> {
     let mut windy = default.clone();
     windy.settings.set_wind_speed(WIND);
     let (hd, uhd) = (Size { width: 1280, height: 720 }, Size { width: 3840, height: 2160 });
-    let (first, others, alone) = match (software, quick) {
+    let (first, others, single_frames) = match (software, quick) {
         (true, _) => (counts(1, 3), counts(1, 2), 3),
         (false, true) => (counts(50, 75), counts(20, 30), 10),
         (false, false) => (counts(200, 300), counts(50, 100), 30),
     };
-    let case = |name, preset, size, counts| FrameCase { name, preset, size, counts, alone };
+    let case = |name, preset, size, counts| FrameCase { name, preset, size, counts, single_frames };
     let mut cases = vec![case("default, 1280 × 720", default.clone(), hd, first)];
     if !(software && quick) {
         cases.push(case("wind, 1280 × 720", windy, hd, others));
@@ -83,54 +85,38 @@ fn one(draft: &mut Draft, gpu: &Gpu, case: &FrameCase) -> Result<()> {
     let camera = workload::camera(&scene, case.size, None);
     let motion = Motion::named(MOTION).context("a built-in motion")?;
     let flight = in_flight::run(&mut scene, &motion, &camera, case.counts)?;
-    add_flight(draft, case.name, &flight);
+    let title = format!("{}, two frames in flight, {} frames", case.name, flight.frames);
+    let frame = [("from frame to frame", flight.frame), ("recording and submission", flight.recording)];
+    add_times(draft, &title, (&flight.stages, flight.gpu), &frame);
     draft.keep();
-    let sitting = Sitting { frames: case.alone, clock: wall, bar: &ProgressBar::hidden() };
+    let sitting = Sitting { frames: case.single_frames, clock: wall, bar: &ProgressBar::hidden() };
     let run = workload::run(&mut scene, "in motion", MOTION, &camera, sitting)?;
-    add_alone(draft, case.name, &run);
+    let title = format!("{}, each frame alone, {} frames", case.name, run.frames);
+    add_times(draft, &title, (&run.stages, run.gpu), &[("whole frame", run.frame)]);
+    let title = format!("{}, recorded commands", case.name);
+    for stage in &run.recorded {
+        let row = std::iter::once(json!(stage.stage)).chain(stage.numbers().map(Value::from));
+        draft.row(&title, &[&["stage"][..], &StageCommands::NAMES].concat(), row.collect());
+    }
     for problem in problems(&flight, gpu.context.tier().software) {
         draft.find(format!("{}: {problem}", case.name));
     }
     Ok(())
 }
 
-fn add_flight(draft: &mut Draft, name: &str, flight: &FlightTimes) {
-    let title = format!("{name}, two frames in flight, {} frames", flight.frames);
-    let mut row = |stage: &str, time: Summary| add(draft, &title, stage, time);
-    flight.stages.iter().for_each(|stage| row(&stage.name, stage.time));
-    if !flight.stages.is_empty() {
-        row("all stages", flight.gpu);
+/// Adds a table of the times of `stages`, their sum and the whole frames.
+fn add_times(
+    draft: &mut Draft,
+    title: &str,
+    (stages, sum): (&[StageTime], Summary),
+    frame: &[(&str, Summary)],
+) {
+    let sum = (!stages.is_empty()).then_some(("all stages", sum));
+    let stages = stages.iter().map(|stage| (&*stage.name, stage.time));
+    for (name, time) in stages.chain(sum).chain(frame.iter().copied()) {
+        let row = cells![name, time.median, time.p95];
+        draft.row(title, &["stage", "median, ms", "95th percentile, ms"], row);
     }
-    row("from frame to frame", flight.frame);
-    row("recording and submission", flight.recording);
-}
-
-fn add_alone(draft: &mut Draft, name: &str, run: &Run) {
-    let title = format!("{name}, each frame alone, {} frames", run.frames);
-    let mut row = |stage: &str, time: Summary| add(draft, &title, stage, time);
-    run.stages.iter().for_each(|stage| row(&stage.name, stage.time));
-    if !run.stages.is_empty() {
-        row("all stages", run.gpu);
-    }
-    row("whole frame", run.frame);
-    let title = format!("{name}, recorded commands");
-    for stage in &run.recorded {
-        let columns = &["stage", "passes", "dispatches", "draws", "pipelines", "bind groups", "transfers"];
-        let row = cells![
-            stage.stage,
-            stage.passes,
-            stage.dispatches,
-            stage.draws,
-            stage.pipelines,
-            stage.groups,
-            stage.transfers,
-        ];
-        draft.row(&title, columns, row);
-    }
-}
-
-fn add(draft: &mut Draft, title: &str, stage: &str, time: Summary) {
-    draft.row(title, &["stage", "median, ms", "95th percentile, ms"], cells![stage, time.median, time.p95]);
 }
 
 /// Returns unusual relations of the times.
@@ -143,6 +129,9 @@ fn problems(flight: &FlightTimes, software: bool) -> Vec<String> {
     if !stages.is_empty() && gpu.median <= 0.0 {
         problems.push("all timestamps are equal".to_owned());
     }
+    if flight.untimed > 0 {
+        problems.push(format!("the stages leave out {} passes of a frame", flight.untimed));
+    }
     if gpu.median > MAX_SUM * frame.median {
         problems.push(format!("stages take {:.2} ms, but a frame {:.2} ms", gpu.median, frame.median));
     }
@@ -152,7 +141,6 @@ fn problems(flight: &FlightTimes, software: bool) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::results::StageTime;
 
     #[test]
     fn unusual_times_are_found() {
@@ -163,6 +151,7 @@ mod tests {
             gpu,
             frame,
             recording: time(1.0, 1.0),
+            untimed: 0,
         };
         assert_eq!(problems(&flight(time(4.0, 5.0), time(5.0, 6.0)), false), [""; 0]);
         for (gpu, frame, word) in [
@@ -173,6 +162,8 @@ mod tests {
             let found = problems(&flight(gpu, frame), false);
             assert!(found.len() == 1 && found[0].contains(word), "{found:?}");
         }
+        let found = problems(&FlightTimes { untimed: 2, ..flight(time(4.0, 5.0), time(5.0, 6.0)) }, false);
+        assert!(found.len() == 1 && found[0].contains("leave out 2 passes"), "{found:?}");
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! The report as one HTML file without links to others.
 
 use super::{
-    report::Report,
+    report::{HostInfo, Report},
     section::{PartState, ReportFigure, ReportSection, Table},
 };
+use crate::bench::Machine;
 use serde_json::Value;
 
 /// Style of the page.
@@ -21,23 +22,24 @@ pre { background: #f4f4f4; padding: .5rem; overflow-x: auto; font-size: 12px }
 
 /// Returns the page of `report`. Its first line is the verdict.
 pub fn page(report: &Report) -> String {
-    let host = &report.host;
-    let build = if host.debug_assertions { ", with debug assertions" } else { "" };
-    let commit = host.commit.as_deref().map_or(String::new(), |commit| format!(" ({commit})"));
-    let machine = format!(
-        "tresses {}{commit}{build}; {}, {} cores; {} s since 1970. {}",
-        host.version,
-        host.system,
-        host.cores,
-        host.time,
-        host.environment.join(" ")
-    );
+    let HostInfo { version, machine, environment } = &report.host;
+    let Machine { system, processor, cores, build, commit, is_changed, date } = machine;
+    let changed = if *is_changed { " with local changes" } else { "" };
+    let facts = [
+        format!("tresses {version}, {build} build"),
+        format!("{commit}{changed}"),
+        format!("{system}, {cores} cores"),
+        processor.clone(),
+        date.clone(),
+        environment.join(" "),
+    ];
+    let facts: Vec<_> = facts.into_iter().filter(|fact| !fact.is_empty()).collect();
     let sections: String = report.sections.iter().map(section).collect();
     format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>tresses gpu</title>\
          <style>{STYLE}</style></head><body>\n<p><strong>{}</strong></p>\n<p>{}</p>\n{sections}</body></html>\n",
         escaped(&report.verdict),
-        escaped(machine.trim()),
+        escaped(&facts.join("; ")),
     )
 }
 
@@ -133,7 +135,7 @@ fn escaped(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::report::HostInfo, *};
+    use super::*;
     use serde_json::json;
 
     #[test]

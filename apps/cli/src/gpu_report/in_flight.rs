@@ -1,7 +1,12 @@
 //! Frames with two in flight: the processor records a frame while the GPU draws the one before.
 
 use crate::{
-    bench::{results::StageTime, statistics::Summary, workload::FPS},
+    bench::{
+        results::{StageSamples, StageTime},
+        statistics::Summary,
+        workload::FPS,
+    },
+    gpu_report::milliseconds,
     photographer::Photographer,
 };
 use anyhow::{Context, Result};
@@ -40,6 +45,8 @@ pub struct FlightTimes {
     pub frame: Summary,
     /// Recording and submission on this thread, milliseconds.
     pub recording: Summary,
+    /// Passes of a frame that the stages leave out.
+    pub untimed: u32,
 }
 
 /// Measures `scene` in `motion`.
@@ -53,7 +60,8 @@ pub fn run(
     let tier = context.tier();
     let mut timings = (tier.timestamps && !tier.software).then(|| Timings::new(&context));
     let (mut submitted, mut pending) = (VecDeque::new(), VecDeque::new());
-    let (mut walls, mut recordings, mut rows) = (Vec::new(), Vec::new(), StageRows::default());
+    let (mut walls, mut recordings, mut untimed) = (Vec::new(), Vec::new(), 0);
+    let (mut stages, mut sums) = (StageSamples::default(), Vec::new());
     let pivot = scene.character.neck();
     scene.watch(camera);
     scene.reset(&motion.gesture(0.0, pivot))?;
@@ -71,7 +79,7 @@ pub fn run(
             let wait = wgpu::PollType::Wait { submission_index: submitted.pop_front(), timeout: None };
             context.device().poll(wait).context("the GPU was lost")?;
         }
-        rows.take(&mut pending)?;
+        collect(&mut pending, &mut stages, &mut sums)?;
         let recorded = Instant::now();
         let gesture = motion.gesture(f64::from(frame + 1) / FPS, pivot);
         let mut encoder = context.device().create_command_encoder(&Default::default());
@@ -83,6 +91,7 @@ pub fn run(
         submitted.push_back(context.queue().submit([encoder.finish()]));
         let recording = milliseconds(recorded);
         let measured = timings.as_mut().map(|timings| timings.start_read(&context));
+        untimed = untimed.max(timings.as_ref().map_or(0, Timings::untimed));
         if !warm {
             recordings.push(recording);
             walls.push(milliseconds(last));
@@ -92,59 +101,26 @@ pub fn run(
         frame += 1;
     }
     context.device().poll(wgpu::PollType::wait_indefinitely()).context("the GPU was lost")?;
-    rows.take(&mut pending)?;
+    collect(&mut pending, &mut stages, &mut sums)?;
     Ok(FlightTimes {
         frames: walls.len(),
-        gpu: Summary::of(rows.sums),
-        stages: StageTime::all(rows.stages),
+        gpu: Summary::of(sums),
+        stages: stages.summarize(),
         frame: Summary::of(walls),
         recording: Summary::of(recordings),
+        untimed,
     })
 }
 
-/// Times of all frames by stage.
-#[derive(Default)]
-struct StageRows {
-    stages: Vec<(&'static str, Vec<f64>)>,
-    sums: Vec<f64>,
-}
-
-impl StageRows {
-    /// Adds the times that have arrived.
-    fn take(&mut self, pending: &mut VecDeque<PendingTimings>) -> Result<()> {
-        while let Some(times) = pending.front_mut().and_then(PendingTimings::take) {
-            pending.pop_front();
-            self.add(times?);
-        }
-        Ok(())
+/// Adds the times that have arrived to `stages`, and the sum of each frame to `sums`.
+fn collect(
+    pending: &mut VecDeque<PendingTimings>,
+    stages: &mut StageSamples,
+    sums: &mut Vec<f64>,
+) -> Result<()> {
+    while let Some(times) = pending.front_mut().and_then(PendingTimings::take) {
+        pending.pop_front();
+        sums.push(stages.add(times?));
     }
-
-    /// Adds the times of a frame.
-    fn add(&mut self, times: Vec<(&'static str, f64)>) {
-        self.sums.push(times.iter().map(|(_, ms)| ms).sum());
-        for (name, ms) in times {
-            match self.stages.iter_mut().find(|(known, _)| *known == name) {
-                Some((_, values)) => values.push(ms),
-                None => self.stages.push((name, vec![ms])),
-            }
-        }
-    }
-}
-
-fn milliseconds(start: Instant) -> f64 {
-    1e3 * start.elapsed().as_secs_f64()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn stages_of_frames_are_collected_by_name() {
-        let mut rows = StageRows::default();
-        rows.add(vec![("simulate", 1.0), ("draw", 2.0)]);
-        rows.add(vec![("draw", 4.0)]);
-        assert_eq!(rows.sums, [3.0, 4.0]);
-        assert_eq!(rows.stages, [("simulate", vec![1.0]), ("draw", vec![2.0, 4.0])]);
-    }
+    Ok(())
 }

@@ -28,6 +28,7 @@ use anyhow::{Result, ensure};
 use args::Part;
 use report::{HostInfo, Report};
 use section::ReportSection;
+use std::time::Instant;
 
 /// Runs `tresses gpu`.
 pub fn run(args: &GpuArgs) -> Result<()> {
@@ -63,6 +64,11 @@ pub fn run(args: &GpuArgs) -> Result<()> {
     say!("{}", report.verdict);
     say!("{}\n{}", args.out.display(), args.out.with_extension("json").display());
     Ok(())
+}
+
+/// Returns the time since `start`, milliseconds.
+fn milliseconds(start: Instant) -> f64 {
+    1e3 * start.elapsed().as_secs_f64()
 }
 
 /// Writes the page and its JSON.

@@ -51,9 +51,7 @@ struct Rig {
 
 impl Rig {
     fn new(flags: wgpu::InstanceFlags) -> Result<Self> {
-        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
-        descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
-        descriptor.flags = flags;
+        let descriptor = wgpu::InstanceDescriptor { flags, ..Gpu::instance_descriptor() };
         let gpu = device::watched(block_on(Gpu::showing(&wgpu::Instance::new(descriptor), None))?);
         let device = gpu.context.device();
         let buffer = |label, size, usage| {

@@ -1,12 +1,12 @@
 //! The report: the verdict, the machine and the sections.
 
 use super::section::{PartState, ReportSection};
+use crate::bench::Machine;
 use serde::Serialize;
-use std::{process::Command, time::SystemTime};
 
-/// Most findings that the verdict quotes.
+/// Maximum number of findings that the verdict quotes.
 const MAX_QUOTED: usize = 6;
-/// Longest quote of a finding, characters.
+/// Maximum length of a quoted finding, characters.
 const MAX_QUOTE: usize = 160;
 
 /// The report.
@@ -25,16 +25,9 @@ pub struct Report {
 pub struct HostInfo {
     /// Version of the program.
     pub version: String,
-    /// Commit, if the program runs in the repository and git is installed.
-    pub commit: Option<String>,
-    /// Whether the program is compiled with checks.
-    pub debug_assertions: bool,
-    /// Operating system and processor.
-    pub system: String,
-    /// Number of processor cores.
-    pub cores: usize,
-    /// Start, seconds since 1970.
-    pub time: u64,
+    /// The machine, the build and the day.
+    #[serde(flatten)]
+    pub machine: Machine,
     /// Variables that select an adapter.
     pub environment: Vec<String>,
 }
@@ -42,23 +35,14 @@ pub struct HostInfo {
 impl HostInfo {
     /// Describes this program and this machine.
     pub fn current() -> Self {
-        let git = || {
-            let output = Command::new("git").args(["describe", "--always", "--dirty"]).output().ok()?;
-            let text = String::from_utf8(output.stdout).ok().filter(|_| output.status.success())?;
-            Some(text.trim().to_owned())
-        };
-        let chosen = |(name, value): (std::ffi::OsString, std::ffi::OsString)| {
+        let selection = |(name, value): (std::ffi::OsString, std::ffi::OsString)| {
             let name = name.into_string().ok().filter(|name| name.starts_with("WGPU_"))?;
             Some(format!("{name}={}", value.to_string_lossy()))
         };
         Self {
             version: env!("CARGO_PKG_VERSION").into(),
-            commit: std::path::Path::new("crates/tresses").is_dir().then(git).flatten(),
-            debug_assertions: cfg!(debug_assertions),
-            system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
-            cores: std::thread::available_parallelism().map_or(1, usize::from),
-            time: SystemTime::UNIX_EPOCH.elapsed().map_or(0, |elapsed| elapsed.as_secs()),
-            environment: std::env::vars_os().filter_map(chosen).collect(),
+            machine: Machine::this(),
+            environment: std::env::vars_os().filter_map(selection).collect(),
         }
     }
 }
@@ -73,10 +57,10 @@ pub fn verdict(sections: &[ReportSection]) -> String {
         }
     }
     let count = all.len();
-    let things = if count == 1 { "thing" } else { "things" };
     match count {
         0 => "Nothing unusual.".into(),
-        1..=MAX_QUOTED => format!("{count} {things} to look at: {}.", all.join("; ")),
+        1 => format!("1 thing to look at: {}.", all[0]),
+        2..=MAX_QUOTED => format!("{count} things to look at: {}.", all.join("; ")),
         _ => format!(
             "{count} things to look at: {}; and {} more.",
             all[..MAX_QUOTED].join("; "),

@@ -1,4 +1,4 @@
-//! Scenes with stored images of the software driver: the scenes of `tools/evidence/same-images` that need no files.
+//! Scenes with stored images of the software driver. `tools/evidence/same-images` reads the list, too.
 
 /// Options of all scenes.
 pub const COMMON: &str = "--size 200x150 --frames 2";

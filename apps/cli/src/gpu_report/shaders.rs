@@ -2,7 +2,7 @@
 //! shaders, as a pipeline alone.
 
 use super::{
-    device,
+    device, milliseconds,
     section::{Draft, cells},
 };
 use anyhow::Result;
@@ -123,10 +123,6 @@ fn entries(wgsl: &str) -> impl Iterator<Item = &str> {
         let (_, name) = text.split_once("fn ")?;
         Some(name.split('(').next()?.trim())
     })
-}
-
-fn milliseconds(start: Instant) -> f64 {
-    1e3 * start.elapsed().as_secs_f64()
 }
 
 #[cfg(test)]

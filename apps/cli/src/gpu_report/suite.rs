@@ -21,7 +21,7 @@ pub fn measure(draft: &mut Draft) -> Result<()> {
     for (name, result) in &results {
         draft.row("Tests", &["test", "result"], cells![name, result]);
     }
-    let count = |wanted: &str| results.iter().filter(|(_, result)| *result == wanted).count();
+    let count = |outcome: &str| results.iter().filter(|(_, result)| *result == outcome).count();
     let failed: Vec<_> =
         results.iter().filter(|(_, result)| *result == "failed").map(|(name, _)| *name).collect();
     draft.note(format!("{} passed, {} failed, {} skipped.", count("passed"), failed.len(), count("skipped")));

@@ -12,7 +12,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Most bytes of messages that are kept.
+/// Maximum bytes of messages that are kept.
 const MAX_MESSAGES: usize = 8000;
 
 /// Runs `part` and returns its section. A part that fails has the results before the failure.

@@ -80,7 +80,7 @@ pub struct PackedRest {
     pub z_radius_penetration: u32,
 }
 
-/// Quantization step of [`PackedRest::sunk`], meters.
+/// Quantization step of [`PackedRest::penetration`], meters.
 pub const PENETRATION_STEP: f32 = 1.0 / 8e3;
 
 impl PackedRest {

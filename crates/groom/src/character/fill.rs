@@ -12,7 +12,7 @@ use crate::{
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FillOptions {
     /// Number of strands to fill up to. 0 keeps only the file's strands. `None` grows the followers that the file asks
-    /// for. [`Styling::strands`] limits the number in any case.
+    /// for. [`Styling::max_strands`] limits the number in any case.
     pub strand_count: Option<u32>,
     /// Angle between neighboring strands above which new hair follows one of them instead of blending, radians.
     pub parting: f32,

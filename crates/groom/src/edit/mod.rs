@@ -10,7 +10,7 @@
 //! A [`GroomDocument`] holds the groom that it was made from and the current guides. It never changes: a stroke
 //! returns another document, which shares all blocks of guides that the stroke has not touched. Undo keeps documents.
 //!
-//! **Strands are carried** ([`carry`]): a strand is always the original one, carried by its guides from their original
+//! **Strands are deformed** ([`deform`]): a strand is always the original one, carried by its guides from their original
 //! pose to the current one, by the formula that the shaders of `tresses` use for moving hair. A
 //! thousand strokes lose no detail.
 //!

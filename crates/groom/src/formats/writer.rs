@@ -14,7 +14,7 @@ pub struct Writer {
     pub holds: &'static [ContentKind],
     /// Whether files may be in units other than meters.
     pub any_unit: bool,
-    /// Whether hair can be compressed ([`Hair::packed`]).
+    /// Whether hair can be compressed ([`ExportHair::packed`]).
     pub compresses: bool,
     /// Encodes strands, which are in meters, Y up, face +Z, as a file in the given unit. With `None` the file states
     /// neither unit nor axes.

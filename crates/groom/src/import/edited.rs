@@ -152,7 +152,7 @@ pub fn edited_body(document: &GroomDocument) -> Result<Option<ImportedBody>> {
     super::body_of(Files::Given(&files), &sorted.heads().paths, &options).map(Some)
 }
 
-/// Returns the files of a head: `heads` or, without any, those of `grooms` that hold a body, and the files that they
+/// Returns the files of a head: `heads` or, without any, the files of `grooms` with a body, and the files that they
 /// refer to. `placement` is how the import has placed the head.
 ///
 /// # Errors

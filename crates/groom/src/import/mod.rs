@@ -215,8 +215,8 @@ impl<'a> Heads<'a> {
     }
 }
 
-/// Checks that the groom at `path`, which is complete, is the only one of `count` files, and that nothing is asked of
-/// it that its file states.
+/// Checks that the complete groom at `path` is the only one of `count` files, and that the options do not contradict
+/// what its file states.
 #[cfg(any(feature = "cooked", feature = "edit"))]
 fn check_single(path: &Path, count: usize, heads: &Heads<'_>, options: &ImportOptions) -> Result<()> {
     let kind = if formats::is_cooked(path) { "a cooked groom" } else { "an edited groom" };

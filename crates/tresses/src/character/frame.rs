@@ -69,7 +69,7 @@ pub struct Frame<'a> {
 pub struct CrowdBudget {
     /// Limits for all characters of a frame.
     pub budget: Budget,
-    /// Cost of work, fitted to timed frames ([`Costs::fit`]).
+    /// Cost of work, fitted to timed frames ([`CostModel::fit`](crate::low_level::CostModel::fit)).
     pub costs: CostModel,
     /// Levels of the last frame: the hair of each character, followed by its face grooms if they are drawn.
     pub detail: CrowdDetail,
@@ -195,8 +195,8 @@ impl<'a> Frame<'a> {
         characters: &[&Character],
         drawing: Drawing<'_>,
     ) -> Result<()> {
-        let Drawing { picture, output, shows, writes_labels: labels, hides_bodies: hair_only } = drawing;
-        let (bodies, numbers) = match hair_only {
+        let Drawing { picture, output, shows, writes_labels, hides_bodies } = drawing;
+        let (bodies, numbers) = match hides_bodies {
             true => (Vec::new(), vec![Vec::new(); characters.len()]),
             false => bodies(characters),
         };
@@ -206,7 +206,7 @@ impl<'a> Frame<'a> {
             false => lighting.set(view, characters, bodies.len(), picture),
         };
         let hair: Vec<&Hair> = characters.iter().flat_map(|character| character.grooms()).collect();
-        let drawing = Drawing { output, shows, writes_labels: labels, ..Drawing::new(&picture) };
+        let drawing = Drawing { output, shows, writes_labels, ..Drawing::new(&picture) };
         self.recorder.draw(&hair, &bodies, view, drawing)
     }
 }

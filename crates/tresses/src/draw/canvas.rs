@@ -75,7 +75,7 @@ pub(crate) struct Canvas<'a, 'c> {
     /// Coefficients of the map from the view's depth to the scene's, if hair geometry is requested (`tiles::geometry`).
     pub geometry: Option<[f32; 4]>,
     /// Whether per-pixel strand labels are requested.
-    pub labels: bool,
+    pub writes_labels: bool,
     /// Space of all drawn positions.
     pub space: Space,
 }

@@ -148,7 +148,7 @@ impl Targets {
     }
 
     /// Reads back the geometry of the hair in the last frame. `None` unless it was
-    /// [requested](crate::frame::Drawing::asks) and the frame has hair.
+    /// [requested](crate::frame::Drawing::writes_labels) and the frame has hair.
     ///
     /// Each texel holds the motion of the visible hair since the view's previous frame (x to the right and y down,
     /// texels), its depth in the camera's projection, and its opacity; see

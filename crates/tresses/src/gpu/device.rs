@@ -33,6 +33,11 @@ impl Gpu {
 
     /// Creates a wgpu instance with the options of [`open`](Self::open), for creating a surface.
     pub fn instance() -> wgpu::Instance {
+        wgpu::Instance::new(Self::instance_descriptor())
+    }
+
+    /// Returns the options of [`instance`](Self::instance), for programs that create one with other options.
+    pub fn instance_descriptor() -> wgpu::InstanceDescriptor {
         let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
         // OpenGL lacks what the compute stages need, and probing it is slow and noisy.
         descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
@@ -41,7 +46,7 @@ impl Gpu {
         if !cfg!(windows) && std::env::var_os("WGPU_VALIDATION_INDIRECT_CALL").is_none() {
             descriptor.flags.remove(wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL);
         }
-        wgpu::Instance::new(descriptor)
+        descriptor
     }
 
     /// As [`open`](Self::open), for an adapter of `instance` that can present to `surface`.
@@ -65,6 +70,14 @@ impl Gpu {
                 .await
                 .map_err(|error| Error::Adapter(format!("no GPU adapter was found ({error}); {REMEDY}")))?,
         };
+        Self::on(adapter).await
+    }
+
+    /// Opens the device of `adapter`.
+    ///
+    /// # Errors
+    /// [`Error::Adapter`] if the device does not open.
+    pub async fn on(adapter: wgpu::Adapter) -> Result<Self> {
         let tier = Tier::of(&adapter);
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {

@@ -76,8 +76,13 @@ struct Mapping {
 impl Pending {
     /// Begins to copy `buffer` from byte 0, after all work submitted so far. It must have `COPY_SRC`.
     pub fn buffer(context: &Context, buffer: &wgpu::Buffer) -> Self {
-        Self::new(context, buffer.size(), None, |encoder, target| {
-            encoder.copy_buffer_to_buffer(buffer, 0, target, 0, buffer.size());
+        Self::part(context, buffer, buffer.size())
+    }
+
+    /// As [`buffer`](Self::buffer), for its first `size` bytes.
+    pub(crate) fn part(context: &Context, buffer: &wgpu::Buffer, size: u64) -> Self {
+        Self::new(context, size, None, |encoder, target| {
+            encoder.copy_buffer_to_buffer(buffer, 0, target, 0, size);
         })
     }
 

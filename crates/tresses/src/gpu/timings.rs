@@ -23,8 +23,6 @@ const MAX_PASSES: u32 = 2048;
 pub struct Timings {
     source: Source,
     counts: Vec<(&'static str, Counts)>,
-    /// See [`frame`](Self::frame).
-    frame: Option<f64>,
     /// See [`untimed`](Self::untimed).
     untimed: u32,
 }
@@ -68,7 +66,7 @@ impl Timings {
             untimed: 0,
             period: queue.get_timestamp_period(),
         };
-        Self { source, counts: Vec::new(), frame: None, untimed: 0 }
+        Self { source, counts: Vec::new(), untimed: 0 }
     }
 
     /// Measures by a clock: [`wall`] or one that returns processor time. A [`crate::frame::Recorder`] then submits each
@@ -79,14 +77,14 @@ impl Timings {
     /// calls.
     pub fn by(clock: Clock) -> Self {
         let source = Source::Clock { clock, since: clock(), rows: Vec::new(), lost: None };
-        Self { source, counts: Vec::new(), frame: None, untimed: 0 }
+        Self { source, counts: Vec::new(), untimed: 0 }
     }
 
     /// Measures nothing, but splits a frame into [`parts`](Self::parts). The caller submits them in order, then what
     /// the encoder still holds. This lets other work use the queue during a very long frame. If parts are left out, the
     /// frame has no valid image, and the next frame renders its light again.
     pub fn of_parts() -> Self {
-        Self { source: Source::Parts(Vec::new()), counts: Vec::new(), frame: None, untimed: 0 }
+        Self { source: Source::Parts(Vec::new()), counts: Vec::new(), untimed: 0 }
     }
 
     /// Takes the recorded parts of the frame. There are none without [`of_parts`](Self::of_parts).
@@ -177,6 +175,11 @@ impl Timings {
         &self.counts
     }
 
+    /// Passes that the rows of the last frame leave out, because it had more than can be timed.
+    pub fn untimed(&self) -> u32 {
+        self.untimed
+    }
+
     /// Resolves the timestamps; call it once per frame, after the last pass.
     pub fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
         if let Source::Timestamps { queries, resolved, names, .. } = &self.source {
@@ -192,11 +195,7 @@ impl Timings {
     pub async fn read(&mut self, context: &Context) -> Result<Vec<(&'static str, f64)>> {
         let PendingTimings { source } = self.start_read(context);
         match source {
-            RowSource::Ticks { ticks, names, period } => {
-                let ticks = ticks.wait().await?;
-                self.frame = span(&ticks, names.len(), period);
-                Ok(rows(&ticks, &names, period))
-            }
+            RowSource::Ticks { ticks, names, period } => Ok(rows(&ticks.wait().await?, &names, period)),
             RowSource::Known(known) => known.unwrap_or_else(|| Ok(Vec::new())),
         }
     }
@@ -210,7 +209,7 @@ impl Timings {
             Source::Timestamps { resolved, names, untimed, period, .. } => {
                 self.untimed = std::mem::take(untimed);
                 RowSource::Ticks {
-                    ticks: Pending::buffer(context, resolved),
+                    ticks: Pending::part(context, resolved, 16 * names.len().max(1) as u64),
                     names: std::mem::take(names),
                     period: *period,
                 }
@@ -222,19 +221,6 @@ impl Timings {
             Source::Parts(_) => RowSource::Known(None),
         };
         PendingTimings { source }
-    }
-}
-
-impl Timings {
-    /// GPU time of the last frame that [`read`](Self::read) returned, from the beginning of its first pass to the end
-    /// of its last, ms. Transfers and waits between passes count. `None` without timestamps.
-    pub fn frame(&self) -> Option<f64> {
-        self.frame
-    }
-
-    /// Passes of the last frame that the rows leave out, because it had more than can be timed.
-    pub fn untimed(&self) -> u32 {
-        self.untimed
     }
 }
 
@@ -275,13 +261,6 @@ fn rows(ticks: &[u8], names: &[&'static str], period: f32) -> Vec<(&'static str,
         add(&mut rows, name, end.saturating_sub(*begin) as f64 * f64::from(period) * 1e-6);
     }
     rows
-}
-
-/// Returns the time from the first beginning to the last end of `passes` passes, ms.
-fn span(ticks: &[u8], passes: usize, period: f32) -> Option<f64> {
-    let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&ticks[..16 * passes]);
-    let (first, last) = (ticks.iter().min()?, ticks.iter().max()?);
-    Some((last - first) as f64 * f64::from(period) * 1e-6)
 }
 
 /// Adds a time to the row `name`.

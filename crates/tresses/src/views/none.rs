@@ -1,4 +1,4 @@
-//! Stands in for the debug views when the feature `debug-views` is off: its types have no values.
+//! Types without values in place of the debug views, without the feature `debug-views`.
 
 use crate::{Picture, Result, View, body::Body, gpu::Commands, hair::Hair, light::HairView};
 

@@ -299,7 +299,7 @@ impl Air {
             (step.end.point(self.center).as_dvec3() - self.zero) / cell - 0.5 * f64::from(self.cells);
         let corner = exact_corner.round().as_i64vec3();
         let reset = !self.started || step.mode == Mode::Reset;
-        // The hair's grid is not written by a step that resets hair: it holds earlier hair, or that of another head.
+        // The hair's grid is not written by a step that resets hair: it holds earlier hair, or the hair of another head.
         let hair = hair.filter(|_| !reset);
         // Teleported hair keeps its air.
         let corner_shift =

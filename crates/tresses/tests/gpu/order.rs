@@ -44,7 +44,7 @@ fn run(context: &Context, scene: Scene) -> Output {
     output
 }
 
-/// Renders the scenes with the first `count` variants of `context`, and compares the results with those of `context`.
+/// Renders the scenes with the first `count` variants of `context`, and compares the results with `context` itself.
 fn compare(context: &Context, count: usize, scenes: &[(&str, Scene)]) {
     let plain: Vec<_> = scenes.iter().map(|(_, scene)| run(context, *scene)).collect();
     for (variant, other) in order::variants(context).take(count) {

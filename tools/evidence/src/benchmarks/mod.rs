@@ -3,7 +3,6 @@
 
 mod frames;
 mod load;
-mod machine;
 mod more;
 mod page;
 mod peers;
@@ -12,7 +11,6 @@ mod start;
 use anyhow::{Context, Result, ensure};
 use frames::FrameCase;
 use load::Load;
-use machine::Machine;
 use more::MoreTimes;
 pub use page::model;
 use peers::Peer;
@@ -20,7 +18,7 @@ use serde::Serialize;
 use serde_json::Value;
 use start::StartCase;
 use std::path::{Path, PathBuf};
-use tresses_cli::bench::{Adapter, Sitting, TimingArgs};
+use tresses_cli::bench::{Adapter, Machine, Sitting, TimingArgs};
 
 /// The built-in styles; the first is the default of the command.
 const STYLES: [&str; 4] = ["long", "bob", "curly", "short"];

@@ -3,13 +3,12 @@
 use super::{
     Measurements,
     frames::{FrameCase, SIZE},
-    machine::Machine,
     more, peers, start,
 };
 use crate::gpu;
 use anyhow::{Context, Result};
 use std::fmt::Write;
-use tresses_cli::bench::{Adapter, results::frame_range, statistics::line, table};
+use tresses_cli::bench::{Adapter, Machine, recorded, results::frame_range, statistics::line, table};
 use tresses_scene::words::grouped;
 
 /// Formats milliseconds.
@@ -131,13 +130,7 @@ fn stages(styles: &[FrameCase], adapter: &Adapter) -> String {
     };
     let mut text = format!("\n## A frame, stage by stage\n{method}\n\n{}", markdown(rows.into_iter(), true));
     if let Some(first) = styles.first() {
-        let mut sums = [0; 6];
-        for stage in &first.run.recorded {
-            let counts =
-                [stage.passes, stage.dispatches, stage.draws, stage.pipelines, stage.groups, stage.transfers];
-            sums.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
-        }
-        let [passes, dispatches, draws, pipelines, groups, transfers] = sums;
+        let [passes, dispatches, draws, pipelines, groups, transfers] = recorded::sums(&first.run.recorded);
         let _ = writeln!(
             text,
             "\nA frame of `{}` records {passes} passes, {dispatches} dispatches, {draws} draws, {pipelines} pipeline \

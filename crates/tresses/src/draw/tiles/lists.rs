@@ -128,7 +128,7 @@ impl HairLists {
         let fine = buffers.fine(tiles);
         let geometry =
             canvas.geometry.map(|_| Geometry::new(&kernels.geometry[many], canvas, &buffers.points, fine));
-        let labels = canvas.labels.then(|| Labels::new(&kernels.label[many], canvas, fine));
+        let labels = canvas.writes_labels.then(|| Labels::new(&kernels.label[many], canvas, fine));
         Ok(Self {
             groups: Groups::new(kernels, tiles, canvas, &buffers),
             source: source(hair),
@@ -144,7 +144,7 @@ impl HairLists {
     /// Whether the lists suffice for a frame of `hair` with this number of entries.
     pub fn fits(&self, canvas: &Canvas<'_, '_>, hair: &[HairView<'_>], entries: u32) -> bool {
         let outputs = (canvas.geometry.is_none() || self.geometry.is_some())
-            && (!canvas.labels || self.labels.is_some());
+            && (!canvas.writes_labels || self.labels.is_some());
         outputs && self.grid.window >= entries && self.source == source(hair)
     }
 
@@ -161,7 +161,7 @@ impl HairLists {
                 count: view.hair.drawn.count,
                 vertex_count: view.hair.drawn.vertex_count,
             };
-            let labeled = if canvas.labels { hair } else { &[] };
+            let labeled = if canvas.writes_labels { hair } else { &[] };
             labels.begin(canvas, labeled.iter().zip(&self.firsts).map(owner).collect());
         }
         let Some(geometry) = &mut self.geometry else { return };

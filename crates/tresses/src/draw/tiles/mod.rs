@@ -253,7 +253,7 @@ impl Pipelines {
             self.tint.record(&mut pass, &groom.tint, &[], threads(groom.points));
         }
         pass.end()?;
-        let (has_geometry, labeled) = (canvas.geometry.is_some(), canvas.labels);
+        let (has_geometry, writes_labels) = (canvas.geometry.is_some(), canvas.writes_labels);
         for round in Round::all(tiles) {
             let mut pass = canvas.commands.compute("hair");
             let of = |field| (ListSpan::All, field);
@@ -272,7 +272,7 @@ impl Pipelines {
                     of(offset_of!(TileControl, rows)),
                 );
             }
-            if let Some(labels) = lists.labels.as_ref().filter(|_| labeled) {
+            if let Some(labels) = lists.labels.as_ref().filter(|_| writes_labels) {
                 round.run(&mut pass, &self.label[many], &labels.group, of(offset_of!(TileControl, rows)));
             }
             round.run(&mut pass, &self.blend[many], &lists.groups.blend, of(offset_of!(TileControl, rows)));
