@@ -33,7 +33,6 @@ pub const SHARED: &[(&str, u32)] = &[
     ("TILE_SMALL_BIN", TILE_SMALL_BIN),
     ("TILE_POINTS", TILE_POINTS),
     ("TILE_ROUNDS", TILE_ROUNDS),
-    ("TILE_SCAN", TILE_SCAN),
     ("TILE_SLOTS", TILE_SLOTS),
     ("TILE_STRATA", TILE_STRATA),
 ];
@@ -162,8 +161,6 @@ pub const TILE_SMALL_BIN: u32 = 512;
 pub const TILE_POINTS: u32 = 4096;
 /// Maximum rounds in which tile lists are built.
 pub const TILE_ROUNDS: u32 = 4;
-/// Size of the single workgroup that computes the prefix sum over tiles.
-pub const TILE_SCAN: u32 = 256;
 /// Tiles per workgroup.
 pub const TILE_SLOTS: u32 = 4;
 /// Runs into which the tile list is divided. Adjacent workgroups take tiles from different runs, which balances load.

@@ -128,11 +128,21 @@ impl Recorder<'_> {
         bodies: &[&Body],
         views: Vec<(&View, Drawing<'_>)>,
     ) -> Result<()> {
-        for (hair, frame) in &mut *hair {
-            self.advance(hair, frame)?;
-        }
-        let hair: Vec<&Hair> = hair.iter().map(|(hair, _)| &**hair).collect();
-        views.into_iter().try_for_each(|(view, drawing)| self.draw(&hair, bodies, view, drawing))
+        self.merged(|recorder| {
+            for (hair, frame) in &mut *hair {
+                recorder.advance(hair, frame)?;
+            }
+            let hair: Vec<&Hair> = hair.iter().map(|(hair, _)| &**hair).collect();
+            views.into_iter().try_for_each(|(view, drawing)| recorder.draw(&hair, bodies, view, drawing))
+        })
+    }
+
+    /// Records `work` with as few compute passes as possible. The encoder is locked until it ends.
+    pub(crate) fn merged(&mut self, work: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
+        let outer = self.commands.set_merging(true);
+        let result = work(self);
+        self.commands.set_merging(outer);
+        result
     }
 
     /// Skins bodies into the poses set by [`Skinning::pose`](crate::skinning::Skinning::pose). Call it before the hair
@@ -149,8 +159,10 @@ impl Recorder<'_> {
     /// # Errors
     /// As [`record`](Self::record).
     pub fn advance(&mut self, hair: &mut Hair, frame: &HairFrame<'_>) -> Result<()> {
-        self.simulate(hair, frame)?;
-        self.follow(hair, frame)
+        self.merged(|recorder| {
+            recorder.simulate(hair, frame)?;
+            recorder.follow(hair, frame)
+        })
     }
 
     /// Advances only the guides, by the fixed steps that are due.
@@ -212,7 +224,7 @@ impl Recorder<'_> {
             return Err(Error::unusable(why));
         }
         let sets: Vec<_> = hair.iter().map(|hair| &hair.set).collect();
-        self.picture(&sets, hair, bodies, view, drawing)
+        self.merged(|recorder| recorder.picture(&sets, hair, bodies, view, drawing))
     }
 
     /// [`draw`](Self::draw) for strands without simulation. Debug views ([`ViewContent::Inside`]) then show only data
@@ -227,7 +239,7 @@ impl Recorder<'_> {
         view: &View,
         drawing: Drawing<'_>,
     ) -> Result<()> {
-        self.picture(strands, &[], bodies, view, drawing)
+        self.merged(|recorder| recorder.picture(strands, &[], bodies, view, drawing))
     }
 
     /// Records only the lighting of an image: shadow maps, including those of a `scene`, and ambient light. For hosts
@@ -249,7 +261,7 @@ impl Recorder<'_> {
         bodies.iter().for_each(|body| body.prepare());
         let lit = view.prepare(picture, &hair_views, &parts);
         view.mark_light_recorded(&parts);
-        self.cast(&parts, &lit, &hair_views, bodies, (&picture.lights, scene))
+        self.merged(|recorder| recorder.cast(&parts, &lit, &hair_views, bodies, (&picture.lights, scene)))
     }
 
     /// Records the stages of an image in order.

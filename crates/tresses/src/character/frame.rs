@@ -112,12 +112,16 @@ impl<'a> Frame<'a> {
             character.find_pose(dt)?;
         }
         self.select_detail(characters);
-        let bodies: Vec<&Skinning> =
-            characters.iter().filter_map(|character| Some(character.rigged.as_ref()?.skinning())).collect();
-        if !bodies.is_empty() {
-            self.recorder.bend(&bodies)?;
-        }
-        characters.iter_mut().try_for_each(|character| character.advance(&mut self.recorder, dt))
+        self.recorder.merged(|recorder| {
+            let bodies: Vec<&Skinning> = characters
+                .iter()
+                .filter_map(|character| Some(character.rigged.as_ref()?.skinning()))
+                .collect();
+            if !bodies.is_empty() {
+                recorder.bend(&bodies)?;
+            }
+            characters.iter_mut().try_for_each(|character| character.advance(recorder, dt))
+        })
     }
 
     fn select_detail(&mut self, characters: &mut [&mut Character]) {

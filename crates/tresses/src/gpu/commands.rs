@@ -5,6 +5,10 @@
 //! the rows of the frame.
 //!
 //! A compute pass stores the first error of the kernels recorded in it and returns it when it [ends](ComputePass::end).
+//!
+//! **One pass for several.** A compute pass of wgpu has two command buffers of its own, and on Metal an encoder, which
+//! costs 5 to 15 µs. While commands [merge](Commands::set_merging) and no pass has timestamps, a compute pass therefore
+//! continues the previous one.
 
 use super::{
     Context, Timings,
@@ -24,16 +28,23 @@ pub struct Commands<'a> {
     counts: Counts,
     /// First error that no pass has returned yet.
     error: Option<Error>,
+    /// Whether a compute pass continues the previous one.
+    merges: bool,
+    /// The pass that the next compute pass continues. The encoder is locked meanwhile.
+    open: Option<wgpu::ComputePass<'static>>,
 }
 
 /// A compute pass that counts its commands.
 #[derive(Debug)]
 #[must_use = "`end` returns the errors of a pass"]
 pub struct ComputePass<'a> {
-    pass: wgpu::ComputePass<'a>,
+    /// `None` only while it is dropped.
+    pass: Option<wgpu::ComputePass<'static>>,
     counts: &'a mut Counts,
     error: &'a mut Option<Error>,
     groups: Groups,
+    /// Where the pass is kept when it ends, if the next one may continue it.
+    open: Option<&'a mut Option<wgpu::ComputePass<'static>>>,
 }
 
 /// A render pass that counts its commands.
@@ -47,7 +58,8 @@ pub(crate) struct RenderPass<'a> {
 impl Context {
     /// Records commands into `encoder`. After an error the encoder must not be submitted.
     pub fn commands<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> Commands<'a> {
-        Commands { context: self.clone(), encoder, timings: None, counts: Counts::default(), error: None }
+        let (timings, counts, error) = (None, Counts::default(), None);
+        Commands { context: self.clone(), encoder, timings, counts, error, merges: false, open: None }
     }
 }
 
@@ -64,20 +76,35 @@ impl<'a> Commands<'a> {
 
     /// The encoder.
     pub fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
+        self.open = None;
         self.encoder
+    }
+
+    /// Sets whether a compute pass continues the previous one, and returns the former value. Merging must be off when
+    /// the encoder is finished.
+    pub(crate) fn set_merging(&mut self, merges: bool) -> bool {
+        if !merges {
+            self.open = None;
+        }
+        std::mem::replace(&mut self.merges, merges)
     }
 
     /// Begins a compute pass, timed as `name`.
     pub fn compute(&mut self, name: &'static str) -> ComputePass<'_> {
         let timings = self.timings.as_deref_mut();
         let timestamp_writes = timings.and_then(|timings| timings.compute(name));
-        let descriptor = wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes };
-        self.counts.passes += 1;
+        let keeps = self.merges && timestamp_writes.is_none();
+        let pass = self.open.take().unwrap_or_else(|| {
+            self.counts.passes += 1;
+            let descriptor = wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes };
+            self.encoder.begin_compute_pass(&descriptor).forget_lifetime()
+        });
         ComputePass {
-            pass: self.encoder.begin_compute_pass(&descriptor),
+            pass: Some(pass),
             counts: &mut self.counts,
             error: &mut self.error,
             groups: Groups::new(self.context.device.probe.as_ref()),
+            open: keeps.then_some(&mut self.open),
         }
     }
 
@@ -88,6 +115,7 @@ impl<'a> Commands<'a> {
         color_attachments: &[Option<wgpu::RenderPassColorAttachment<'_>>],
         depth_stencil_attachment: Option<wgpu::RenderPassDepthStencilAttachment<'_>>,
     ) -> RenderPass<'_> {
+        self.open = None;
         let timings = self.timings.as_deref_mut();
         let descriptor = wgpu::RenderPassDescriptor {
             label: Some(name),
@@ -106,7 +134,7 @@ impl<'a> Commands<'a> {
 
     /// Fills the first `size` bytes of a buffer with zeros, or all of it.
     pub(crate) fn clear(&mut self, buffer: &wgpu::Buffer, size: Option<u64>) {
-        self.encoder.clear_buffer(buffer, 0, size);
+        self.encoder().clear_buffer(buffer, 0, size);
         let bytes = size.unwrap_or(buffer.size());
         self.counts += Counts { transfers: 1, bytes, ..Counts::default() };
     }
@@ -119,27 +147,13 @@ impl<'a> Commands<'a> {
             ..Default::default()
         };
         self.counts += Counts { passes: 1, bytes: attached(&descriptor), ..Counts::default() };
-        self.encoder.begin_render_pass(&descriptor);
+        self.encoder().begin_render_pass(&descriptor);
     }
 
     /// Copies a whole texture to another one of the same size.
     pub(crate) fn copy_texture(&mut self, from: &wgpu::Texture, to: &wgpu::Texture) {
-        self.encoder.copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), to.size());
+        self.encoder().copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), to.size());
         self.copied(bytes(to));
-    }
-
-    /// Copies rows from a buffer to the top of a two-dimensional texture.
-    pub(crate) fn copy_rows(&mut self, from: &wgpu::Buffer, to: &wgpu::Texture, rows: u32) {
-        let height = rows.min(to.height());
-        let row = to.width() * to.format().block_copy_size(None).unwrap_or(4);
-        let layout =
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
-        self.encoder.copy_buffer_to_texture(
-            wgpu::TexelCopyBufferInfo { buffer: from, layout },
-            to.as_image_copy(),
-            wgpu::Extent3d { width: to.width(), height, depth_or_array_layers: 1 },
-        );
-        self.copied(u64::from(height) * u64::from(row));
     }
 
     /// Counts a copy of `bytes` bytes, which are read and written.
@@ -163,6 +177,8 @@ impl<'a> Commands<'a> {
         }
         let counts = std::mem::take(&mut self.counts);
         if let Some(timings) = &mut self.timings {
+            // The timings may finish the encoder.
+            self.open = None;
             timings.lap(&self.context, self.encoder, (name, counts));
         }
     }
@@ -214,37 +230,41 @@ pub(crate) fn bytes(texture: &wgpu::Texture) -> u64 {
 }
 
 impl ComputePass<'_> {
+    fn pass(&mut self) -> &mut wgpu::ComputePass<'static> {
+        self.pass.as_mut().expect("the pass is not dropped")
+    }
+
     fn probe(&mut self) {
         if let Some((group, from)) = self.groups.work() {
-            self.pass.set_bind_group(GROUP, &group, &[from]);
+            self.pass().set_bind_group(GROUP, &group, &[from]);
         }
     }
 
     /// See [`wgpu::ComputePass::set_pipeline`].
     pub fn set_pipeline(&mut self, pipeline: &wgpu::ComputePipeline) {
         self.counts.pipelines += 1;
-        self.pass.set_pipeline(pipeline);
+        self.pass().set_pipeline(pipeline);
     }
 
     /// See [`wgpu::ComputePass::set_bind_group`].
     pub fn set_bind_group(&mut self, index: u32, group: &wgpu::BindGroup, offsets: &[u32]) {
         self.counts.groups += 1;
         self.groups.set(index, group);
-        self.pass.set_bind_group(index, group, offsets);
+        self.pass().set_bind_group(index, group, offsets);
     }
 
     /// See [`wgpu::ComputePass::dispatch_workgroups`].
     pub fn dispatch_workgroups(&mut self, x: u32, y: u32, z: u32) {
         self.probe();
         self.counts.dispatches += 1;
-        self.pass.dispatch_workgroups(x, y, z);
+        self.pass().dispatch_workgroups(x, y, z);
     }
 
     /// See [`wgpu::ComputePass::dispatch_workgroups_indirect`].
     pub(crate) fn dispatch_workgroups_indirect(&mut self, workgroups: &wgpu::Buffer, from: u64) {
         self.probe();
         self.counts.dispatches += 1;
-        self.pass.dispatch_workgroups_indirect(workgroups, from);
+        self.pass().dispatch_workgroups_indirect(workgroups, from);
     }
 
     /// Notes the module path of the kernel that the next dispatches run.
@@ -263,6 +283,14 @@ impl ComputePass<'_> {
     /// [`Error::Gpu`] for the first kernel recorded in the pass that failed to compile.
     pub fn end(self) -> Result<()> {
         self.error.take().map_or(Ok(()), Err)
+    }
+}
+
+impl Drop for ComputePass<'_> {
+    fn drop(&mut self) {
+        if let Some(open) = &mut self.open {
+            **open = self.pass.take();
+        }
     }
 }
 

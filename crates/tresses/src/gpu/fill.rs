@@ -11,9 +11,11 @@ pub(crate) const FILL_WORD: u32 = 0x7fff_7fff;
 const FILL_DEPTH: f32 = 0.37;
 
 /// Labels of buffers and textures that must start at zero, and the reason of each.
-pub(crate) const ZEROED: [(&str, &str); 13] = [
+pub(crate) const ZEROED: [(&str, &str); 15] = [
     // `draw::tiles`
     ("points", "no kernel writes the gaps between grooms; without a flag they hold no segment"),
+    ("farthest bodies", "each frame takes a maximum; `draw::tiles::bound` resets it"),
+    ("ranges of depth", "as farthest bodies; `draw::tiles::totals` resets them"),
     ("depths of lists", "0 for tiles whose previous frame is unknown"),
     // `wind`
     ("air", "the drag of the first step multiplies the old air by no hair"),

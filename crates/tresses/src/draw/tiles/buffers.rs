@@ -3,7 +3,7 @@
 use super::texels::Texels;
 use crate::{
     Result,
-    constants::{TILE, TILE_BINS, TILE_BLOCK, TILE_ROUNDS},
+    constants::{STRAND_WORKGROUP, TILE, TILE_BINS, TILE_BLOCK, TILE_ROUNDS},
     draw::canvas::{HDR_FORMAT, TextureKind},
     gpu::{BindBuffer, BufferBinding, Device, bindings::uniform_buffer},
     strands::buffers::storage,
@@ -89,6 +89,8 @@ pub(crate) struct TileBuffers {
     pub bins: wgpu::Buffer,
     /// `grid::Bounds` per tile, and the same as texels.
     pub bounds: (wgpu::Buffer, Texels),
+    /// Entries and occupied tiles of each workgroup of `totals`.
+    pub sums: wgpu::Buffer,
     /// Tiles with hair.
     pub occupied: wgpu::Buffer,
     /// Depth range of the hair per block of tiles.
@@ -135,9 +137,10 @@ impl TileBuffers {
             far_depths: storage::<u32>(device, "farthest bodies", count)?,
             bins: storage::<u32>(device, "bins", count * u64::from(TILE_BINS))?,
             bounds: (
-                storage::<[u32; 4]>(device, "bounds of tiles", Texels::rows(count))?,
+                storage::<[u32; 4]>(device, "bounds of tiles", count)?,
                 Texels::new(device, "bounds of tiles", count, wgpu::TextureFormat::Rgba32Uint)?,
             ),
+            sums: storage::<[u32; 2]>(device, "sums of tiles", count.div_ceil(STRAND_WORKGROUP.into()))?,
             occupied: storage::<[u32; 4]>(device, "occupied tiles", count)?,
             ranges: storage::<[u32; 2]>(device, "ranges of depth", blocks[0] * blocks[1])?,
             control: device.create_buffer(&wgpu::BufferDescriptor {

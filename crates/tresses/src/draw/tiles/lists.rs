@@ -148,11 +148,6 @@ impl HairLists {
         outputs && self.grid.window >= entries && self.source == source(hair)
     }
 
-    /// The bits of visible segments.
-    pub fn visible(&self) -> &wgpu::Buffer {
-        &self.buffers.visible
-    }
-
     /// Prepares labels and motion, before this frame overwrites the last frame's points.
     pub fn begin(&mut self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) {
         if let Some(labels) = &mut self.labels {
@@ -259,6 +254,7 @@ impl GroomPoints {
             strands: own.hair.strands.strands.entire(),
             points: buffers.points.view(),
             ranges: tiles.ranges.entire(),
+            visible: buffers.visible.entire(),
         });
         let tint = kernels.tint.bind(&bound::Tint {
             part: part.entire(),
@@ -287,6 +283,7 @@ impl Groups {
         let (bins, bounds, depths) = (tiles.bins.entire(), tiles.bounds.0.entire(), tiles.depths.entire());
         let (far_depths, surfaces, ranges) =
             (tiles.far_depths.entire(), tiles.surfaces.entire(), tiles.ranges.entire());
+        let sums = tiles.sums.entire();
         let (unsorted, touches, visible) =
             (buffers.unsorted.entire(), buffers.touches.entire(), buffers.visible.entire());
         let (points, list, colors) = (buffers.points.view(), buffers.list.view(), buffers.colors.view());
@@ -303,9 +300,9 @@ impl Groups {
         };
         Self {
             surface,
-            bound: kernels.bound.bind(&bound::Bound { grid, far_depths, ranges, bounds }),
-            totals: kernels.totals.bind(&bound::Totals { grid, bins, bounds }),
-            scan: kernels.scan.bind(&bound::Scan { grid, bounds, occupied, control, depths }),
+            bound: kernels.bound.bind(&bound::Bound { grid, far_depths, ranges, bins, bounds, texels }),
+            totals: kernels.totals.bind(&bound::Totals { grid, bins, bounds, ranges, sums }),
+            scan: kernels.scan.bind(&bound::Scan { grid, bounds, sums, occupied, control, depths, texels }),
             scatter: kernels.scatter.bind(&scatter),
             sort: kernels.sort.bind(&bound::Sort { slots, bins, unsorted, list }),
             merge: kernels.merge.bind(&bound::Merge { slots, bins, entries: unsorted, list }),

@@ -143,10 +143,6 @@ impl Pipelines {
         let mut lists = tiles.bind(self, canvas, hair)?;
         let Some(lists) = lists.as_mut() else { return Ok(()) };
         lists.begin(canvas, hair);
-        for buffer in [&tiles.buffers.far_depths, &tiles.buffers.bins, &tiles.buffers.ranges, lists.visible()]
-        {
-            canvas.commands.clear(buffer, None);
-        }
         let many = usize::from(canvas.target.samples > 1);
         let mut pass = canvas.commands.compute("bins");
         for groom in &lists.grooms {
@@ -159,15 +155,11 @@ impl Pipelines {
             threads(tiles.buffers.count() * TILE),
         );
         self.bound.record(&mut pass, &lists.groups.bound, &[], threads(tiles.buffers.count()));
-        pass.end()?;
-        tiles.buffers.bounds.1.copy(canvas.commands, &tiles.buffers.bounds.0, tiles.buffers.count());
-        let mut pass = canvas.commands.compute("bins");
         let counting = [Round::offset_of(ListSpan::Count, 0)];
         self.scatter.record(&mut pass, &lists.groups.scatter, &counting, threads(lists.grid.points));
         self.totals.record(&mut pass, &lists.groups.totals, &[], threads(tiles.buffers.count()));
-        self.scan.record(&mut pass, &lists.groups.scan, &[], 1);
+        self.scan.record(&mut pass, &lists.groups.scan, &[], threads(tiles.buffers.count()) + 1);
         pass.end()?;
-        tiles.buffers.bounds.1.copy(canvas.commands, &tiles.buffers.bounds.0, tiles.buffers.count());
         canvas.commands.lap(Stage::Bins);
         for round in Round::all(tiles) {
             let fields = [offset_of!(TileControl, segments), offset_of!(TileControl, bins)];

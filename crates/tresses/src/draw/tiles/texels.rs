@@ -10,7 +10,7 @@ use crate::{
 };
 
 /// An array in a texture with [`TILE_POINTS`] values per row. Software drivers load texels for many lanes at a time,
-/// but buffer words lane by lane. Kernels write the texture directly, or it is copied from a buffer.
+/// but buffer words lane by lane.
 #[derive(Debug)]
 pub(crate) struct Texels {
     texture: wgpu::Texture,
@@ -47,21 +47,10 @@ impl Texels {
             format,
             usage: wgpu::TextureUsages::TEXTURE_BINDING
                 | wgpu::TextureUsages::STORAGE_BINDING
-                | wgpu::TextureUsages::COPY_DST
                 | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
         });
         Ok(Self { view: texture.create_view(&Default::default()), texture })
-    }
-
-    /// Number of values in a buffer that can be [copied](Self::copy) from: `count` rounded up to whole rows.
-    pub fn rows(count: u64) -> u64 {
-        count.next_multiple_of(u64::from(TILE_POINTS)).max(u64::from(TILE_POINTS))
-    }
-
-    /// Copies the first `count` values from a buffer of a size that [`rows`](Self::rows) returned.
-    pub fn copy(&self, commands: &mut Commands<'_>, buffer: &wgpu::Buffer, count: u32) {
-        commands.copy_rows(buffer, &self.texture, count.div_ceil(TILE_POINTS));
     }
 
     /// Creates a texture that [`keep`](Self::keep) can copy this one to.
