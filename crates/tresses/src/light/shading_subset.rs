@@ -6,19 +6,20 @@ use crate::{
     constants::STRAND_WORKGROUP,
     gpu::{BindBuffer, BufferBinding, Commands, Kernel},
     shaders::kernels::light as kernels,
-    strands::buffers::storage,
+    strands::buffers::storage_with,
 };
 
-/// The knots and spans that the visible segments of a groom need. The GPU selects them each frame, and spends no
+/// Bytes of the buffer before its lists: workgroups and number of items of each.
+const HEAD_BYTES: u64 = 32;
+
+/// The samples and spans that the visible segments of a groom need. The GPU selects them each frame, and spends no
 /// threads on the others.
 #[derive(Debug)]
 pub struct ShadingSubset {
-    /// Indirect dispatch sizes of the kernels over knots and over spans: x, y, z and an unused word each.
-    workgroups: wgpu::Buffer,
-    /// Knots and spans, each as a count followed by indices.
-    lists: [wgpu::Buffer; 2],
+    /// See `select_visible.wesl`.
+    selected: wgpu::Buffer,
     select_visible: wgpu::BindGroup,
-    groups: [wgpu::BindGroup; 2],
+    group: wgpu::BindGroup,
     /// Whether the light has strand maps.
     strand_maps: bool,
 }
@@ -38,40 +39,27 @@ impl ShadingSubset {
     ) -> Result<Self> {
         let Context { device, .. } = context;
         let pipelines = context.pipelines::<Pipelines>();
-        // Room for all knots.
-        let capacity = 1 + shaded.sample_capacity;
-        let lists = [
-            storage::<u32>(device, "chosen knots", capacity)?,
-            storage::<u32>(device, "chosen spans", capacity)?,
-        ];
-        let workgroups = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("chosen workgroups"),
-            size: 32,
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let groups = lists.each_ref().map(|list| {
-            let sample_bindings = shaded.sample_bindings(camera, hair, list);
-            pipelines.shade(false).bind(&state.shading(sample_bindings))
-        });
+        // There are more samples than spans.
+        let words = HEAD_BYTES / 4 + 2 * shaded.sample_capacity;
+        let usage = wgpu::BufferUsages::INDIRECT;
+        let selected = storage_with::<u32>(device, "selected samples and spans", words, usage)?;
+        let group =
+            pipelines.shade(false).bind(&state.shading(shaded.sample_bindings(camera, hair, &selected)));
         let select_visible = pipelines.select_visible.bind(&kernels::SelectVisible {
             hair: shaded.uniform.entire(),
             visible,
-            samples: lists[0].entire(),
-            spans: lists[1].entire(),
-            workgroups: workgroups.entire(),
+            selected: selected.entire(),
         });
         let strand_maps = state.maps.strand_map > 0;
-        Ok(Self { workgroups, lists, select_visible, groups, strand_maps })
+        Ok(Self { selected, select_visible, group, strand_maps })
     }
 
     /// Clears the lists. Call it before [`record`](Self::record), outside of passes.
     pub(super) fn clear(&self, commands: &mut Commands<'_>) {
-        commands.clear(&self.workgroups, None);
-        self.lists.iter().for_each(|list| commands.clear(list, Some(4)));
+        commands.clear(&self.selected, Some(HEAD_BYTES));
     }
 
-    /// Records the selection, then the shading of the selected knots and spans.
+    /// Records the selection, then the shading of the selected samples and spans.
     pub(super) fn record(
         &self,
         pipelines: &Pipelines,
@@ -87,8 +75,8 @@ impl ShadingSubset {
         pass.set_bind_group(1, &pipelines.gap, &[]);
         pass.set_bind_group(2, &hair.fiber().group, &[]);
         let kernels: [&Kernel; 2] = [&pipelines.shading_samples, pipelines.shade(self.strand_maps)];
-        for (i, (kernel, group)) in kernels.into_iter().zip(&self.groups).enumerate() {
-            kernel.record_indirect(pass, group, &[], (&self.workgroups, 16 * i as u64));
+        for (i, kernel) in kernels.into_iter().enumerate() {
+            kernel.record_indirect(pass, &self.group, &[], (&self.selected, 16 * i as u64));
         }
     }
 }

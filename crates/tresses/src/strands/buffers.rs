@@ -163,6 +163,16 @@ impl DrawCount {
 /// # Errors
 /// [`Error::Limit`] if the adapter cannot hold it.
 pub fn storage<T>(device: &Device, label: &'static str, count: u64) -> Result<wgpu::Buffer> {
+    storage_with::<T>(device, label, count, BufferUsages::empty())
+}
+
+/// Like [`storage`], with more usages.
+pub(crate) fn storage_with<T>(
+    device: &Device,
+    label: &'static str,
+    count: u64,
+    usage: BufferUsages,
+) -> Result<wgpu::Buffer> {
     let need = count.saturating_mul(size_of::<T>() as u64).max(16);
     let limits = device.limits();
     let have = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
@@ -172,7 +182,7 @@ pub fn storage<T>(device: &Device, label: &'static str, count: u64) -> Result<wg
     Ok(device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size: need,
-        usage: BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
+        usage: BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC | usage,
         mapped_at_creation: false,
     }))
 }
