@@ -22,6 +22,8 @@ pub struct Commands<'a> {
     timings: Option<&'a mut Timings>,
     /// Commands recorded since the last lap.
     counts: Counts,
+    /// Whether the last command was a transfer.
+    transfers: bool,
     /// First error that no pass has returned yet.
     error: Option<Error>,
 }
@@ -47,7 +49,8 @@ pub(crate) struct RenderPass<'a> {
 impl Context {
     /// Records commands into `encoder`. After an error the encoder must not be submitted.
     pub fn commands<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> Commands<'a> {
-        Commands { context: self.clone(), encoder, timings: None, counts: Counts::default(), error: None }
+        let (counts, transfers) = (Counts::default(), false);
+        Commands { context: self.clone(), encoder, timings: None, counts, transfers, error: None }
     }
 }
 
@@ -73,6 +76,7 @@ impl<'a> Commands<'a> {
         let timestamp_writes = timings.and_then(|timings| timings.compute(name));
         let descriptor = wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes };
         self.counts.passes += 1;
+        self.transfers = false;
         ComputePass {
             pass: self.encoder.begin_compute_pass(&descriptor),
             counts: &mut self.counts,
@@ -97,6 +101,7 @@ impl<'a> Commands<'a> {
             ..Default::default()
         };
         self.counts += Counts { passes: 1, bytes: attached(&descriptor), ..Counts::default() };
+        self.transfers = false;
         RenderPass {
             pass: self.encoder.begin_render_pass(&descriptor),
             counts: &mut self.counts,
@@ -107,8 +112,7 @@ impl<'a> Commands<'a> {
     /// Fills the first `size` bytes of a buffer with zeros, or all of it.
     pub(crate) fn clear(&mut self, buffer: &wgpu::Buffer, size: Option<u64>) {
         self.encoder.clear_buffer(buffer, 0, size);
-        let bytes = size.unwrap_or(buffer.size());
-        self.counts += Counts { transfers: 1, bytes, ..Counts::default() };
+        self.transferred(size.unwrap_or(buffer.size()));
     }
 
     /// Fills a texture with zeros, in a pass without timing.
@@ -119,13 +123,20 @@ impl<'a> Commands<'a> {
             ..Default::default()
         };
         self.counts += Counts { passes: 1, bytes: attached(&descriptor), ..Counts::default() };
+        self.transfers = false;
         self.encoder.begin_render_pass(&descriptor);
+    }
+
+    /// Copies `size` bytes of a buffer at `at` to the start of another one.
+    pub(crate) fn copy_part(&mut self, from: &wgpu::Buffer, at: u64, to: &wgpu::Buffer, size: u64) {
+        self.encoder.copy_buffer_to_buffer(from, at, to, 0, size);
+        self.transferred(2 * size);
     }
 
     /// Copies a whole texture to another one of the same size.
     pub(crate) fn copy_texture(&mut self, from: &wgpu::Texture, to: &wgpu::Texture) {
         self.encoder.copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), to.size());
-        self.copied(bytes(to));
+        self.transferred(2 * bytes(to));
     }
 
     /// Copies rows from a buffer to the top of a two-dimensional texture.
@@ -139,12 +150,14 @@ impl<'a> Commands<'a> {
             to.as_image_copy(),
             wgpu::Extent3d { width: to.width(), height, depth_or_array_layers: 1 },
         );
-        self.copied(u64::from(height) * u64::from(row));
+        self.transferred(2 * u64::from(height) * u64::from(row));
     }
 
-    /// Counts a copy of `bytes` bytes, which are read and written.
-    fn copied(&mut self, bytes: u64) {
-        self.counts += Counts { transfers: 1, bytes: 2 * bytes, ..Counts::default() };
+    /// Counts a copy or fill that moves `bytes` bytes.
+    fn transferred(&mut self, bytes: u64) {
+        let transfer_runs = u32::from(!self.transfers);
+        self.counts += Counts { transfers: 1, transfer_runs, bytes, ..Counts::default() };
+        self.transfers = true;
     }
 
     /// Begins a part of a stage. Commands recorded before belong to no row of the timings.
@@ -243,7 +256,7 @@ impl ComputePass<'_> {
     /// See [`wgpu::ComputePass::dispatch_workgroups_indirect`].
     pub(crate) fn dispatch_workgroups_indirect(&mut self, workgroups: &wgpu::Buffer, from: u64) {
         self.probe();
-        self.counts.dispatches += 1;
+        *self.counts += Counts { dispatches: 1, indirect: 1, ..Counts::default() };
         self.pass.dispatch_workgroups_indirect(workgroups, from);
     }
 
