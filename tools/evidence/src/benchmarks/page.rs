@@ -218,11 +218,12 @@ pub fn model() -> Result<String> {
          the latency of its waves, cycles, bytes, partly used memory lines and atomics; a frame also pays for its copies, \
          uploads and read-backs and, on Apple, for encoders. Cycles are the compiler's estimate, scaled by the \
          operations that a thread executes; uneven loops within a wave are not counted. The figures of the H100 and the \
-         M2 assume the cycles of RDNA 3. Inputs: `{}`, written by `tresses-evidence model --write`, and `{}`.\n\n{}",
+         M2 assume the cycles of RDNA 3. Inputs: `{}`, written by `tresses-evidence model --write`, and `{}`.\n\n{}\nWhat these frames record:\n\n{}",
         inputs.driver,
         gpu::INPUTS,
         gpu::Constants::FILE,
         markdown(model.frames().into_iter(), true),
+        markdown(model.counts().into_iter(), true),
     );
     if let Some(frame) = inputs.frames.first() {
         let rows = markdown(model.stage_rows(frame).into_iter(), true);

@@ -9,7 +9,7 @@ pub use constants::Constants;
 pub use model::{Inputs, Model};
 
 use crate::roofline::{self, FrameWork};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use model::{CountedCommand, CountedFrame};
 use std::path::Path;
 use tresses::low_level::wall;
@@ -111,6 +111,12 @@ fn scenes() -> Vec<Workload> {
 fn count_frame(workload: &Workload) -> Result<CountedFrame> {
     eprintln!("counting: {}", workload.name);
     let FrameWork { commands, recorded, host } = roofline::frame(workload, UNCOUNTED_FRAMES, wall)?;
+    let counted: u32 = recorded.iter().map(|(_, counts)| counts.dispatches + counts.draws).sum();
+    ensure!(
+        counted as usize == commands.len(),
+        "{counted} commands were recorded, {} counted",
+        commands.len()
+    );
     Ok(CountedFrame {
         scene: format!("{}, {}×{}", workload.name, workload.size.width, workload.size.height),
         commands: commands.iter().map(CountedCommand::from).collect(),

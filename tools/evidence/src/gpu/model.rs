@@ -247,39 +247,37 @@ impl<'a> Model<'a> {
         1e3 * self.terms(frame, chip).values().sum::<f64>()
     }
 
-    /// Rows of all frames: what they record, and milliseconds on all chips, with a head.
+    /// Rows of all frames: milliseconds on all chips, those to aim for on the main one, and what limits them there,
+    /// with a head.
     pub fn frames(&self) -> Vec<Vec<String>> {
-        let chips = &self.constants.chips;
-        let counts = [
-            "scene",
-            "dispatches",
-            "indirect",
-            "draws",
-            "copies, fills",
-            "encoders",
-            "uploads",
-            "read-backs",
-        ];
+        let (chips, main) = (&self.constants.chips, self.main_chip());
         let names = chips.iter().map(|chip| chip.name.clone());
-        let mut rows: Vec<Vec<String>> =
-            vec![counts.iter().map(|name| (*name).to_owned()).chain(names).collect()];
-        rows[0].push(format!("goal, {}", self.main_chip().name));
+        let more = ["goal", "limited by"].map(|name| format!("{name}, {}", main.name));
+        let mut rows = vec![["scene".to_owned()].into_iter().chain(names).chain(more).collect()];
         rows.extend(self.inputs.frames.iter().map(|frame| {
-            let dispatches = frame.commands.iter().filter(|command| command.kernel.is_some()).count();
-            let sum = |of: fn(&Recorded) -> u32| frame.recorded.values().map(of).sum::<u32>().to_string();
-            let mut row = vec![
-                frame.scene.clone(),
-                dispatches.to_string(),
-                sum(|it| it.indirect),
-                (frame.commands.len() - dispatches).to_string(),
-                sum(|it| it.transfers),
-                sum(|it| it.encoders),
-                frame.uploads.to_string(),
-                frame.read_backs.to_string(),
-            ];
-            row.extend(chips.iter().map(|chip| ms(self.milliseconds(frame, chip))));
-            row.push(self.constants.goal(&frame.scene).map_or("-".into(), |goal| goal.to_string()));
-            row
+            let times = chips.iter().map(|chip| ms(self.milliseconds(frame, chip)));
+            let goal = self.constants.goal(&frame.scene).map_or("-".into(), ms);
+            let more = [goal, shares(&self.terms(frame, main))];
+            [frame.scene.clone()].into_iter().chain(times).chain(more).collect()
+        }));
+        rows
+    }
+
+    /// Rows of all frames: numbers of commands, encoders, and copies between CPU and GPU, with a head.
+    pub fn counts(&self) -> Vec<Vec<String>> {
+        let head =
+            ["dispatches", "indirect", "draws", "copies and fills", "encoders", "uploads", "read-backs"];
+        let row =
+            |scene: &str, cells: [String; 7]| [scene.into()].into_iter().chain(cells).collect::<Vec<_>>();
+        let mut rows = vec![row("scene", head.map(Into::into))];
+        rows.extend(self.inputs.frames.iter().map(|frame| {
+            let commands = frame.commands.len() as u32;
+            let draws = frame.commands.iter().filter(|command| command.kernel.is_none()).count() as u32;
+            let sum = |of: fn(&Recorded) -> u32| frame.recorded.values().map(of).sum::<u32>();
+            let (indirect, transfers) = (sum(|it| it.indirect), sum(|it| it.transfers));
+            let (encoders, uploads, read_backs) = (sum(|it| it.encoders), frame.uploads, frame.read_backs);
+            let counts = [commands - draws, indirect, draws, transfers, encoders, uploads, read_backs];
+            row(&frame.scene, counts.map(|count| count.to_string()))
         }));
         rows
     }
@@ -316,8 +314,11 @@ impl<'a> Model<'a> {
 
     /// Formats all results as text.
     pub fn text(&self) -> String {
-        let mut text =
-            format!("\nA model, not a measurement. Milliseconds per frame.\n{}", table(&self.frames()));
+        let mut text = format!(
+            "\nA model, not a measurement. Milliseconds per frame.\n{}\nWhat a frame records\n{}",
+            table(&self.frames()),
+            table(&self.counts())
+        );
         for frame in &self.inputs.frames {
             let rows = table(&self.stage_rows(frame));
             text += &format!("\n{}, {}\n{rows}", frame.scene, self.main_chip().name);
@@ -499,6 +500,8 @@ mod tests {
         assert_eq!(row("uploads"), "10|0|0|0.010|uploads 100 %");
         assert_eq!(row("the frame"), "1|3|7|0.020|latency 50 %, uploads 50 %");
         assert_eq!(row("validation (instances of hosts, browsers)"), "3|0|0|0.015|launch 100 %");
+        assert_eq!(model.counts()[1][1..].join("|"), "1|3|0|0|7|10|0");
+        assert_eq!(model.frames()[1][2], "0.020");
         assert!(model.text().contains("a scene"));
     }
 }
