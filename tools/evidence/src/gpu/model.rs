@@ -212,23 +212,27 @@ impl<'a> Model<'a> {
     /// Returns the stages of a frame on `chip`, in order.
     fn stages(&self, frame: &CountedFrame, chip: &Chip) -> Vec<(String, StageTime)> {
         let mut stages: Vec<(String, StageTime)> = Vec::new();
-        for command in &frame.commands {
-            let index = stages.iter().position(|(name, _)| *name == command.stage).unwrap_or_else(|| {
-                stages.push((command.stage.clone(), StageTime::default()));
+        let index_of = |stages: &mut Vec<(String, StageTime)>, name: &str| {
+            stages.iter().position(|(known, _)| known == name).unwrap_or_else(|| {
+                stages.push((name.into(), StageTime::default()));
                 stages.len() - 1
-            });
+            })
+        };
+        for command in &frame.commands {
+            let index = index_of(&mut stages, &command.stage);
             let (seconds, limit) = self.command(command, chip);
             stages[index].1.commands += 1;
             *stages[index].1.terms.entry(limit).or_default() += seconds;
         }
-        for (name, stage) in &mut stages {
-            stage.recorded = frame.recorded.get(name).copied().unwrap_or_default();
-            let Recorded { encoders, transfers, bytes, .. } = stage.recorded;
-            stage.commands += transfers;
+        for (name, recorded) in frame.recorded.iter().filter(|(_, it)| **it != Recorded::default()) {
+            let index = index_of(&mut stages, name);
+            let stage = &mut stages[index].1;
+            stage.recorded = *recorded;
+            stage.commands += recorded.transfers;
             let more = [
-                ("launch", chip.launch * f64::from(transfers)),
-                ("bytes", bytes as f64 / chip.bytes),
-                ("switches", chip.switch * f64::from(encoders)),
+                ("launch", chip.launch * f64::from(recorded.transfers)),
+                ("bytes", recorded.bytes as f64 / chip.bytes),
+                ("switches", chip.switch * f64::from(recorded.encoders)),
             ];
             add(&mut stage.terms, &more.into());
         }
@@ -475,6 +479,11 @@ mod tests {
         close(milliseconds(MAIN, |_| {}), 0.01);
         close(milliseconds(MAIN, recorded(Recorded { transfers: 2, ..Recorded::default() })), 0.02);
         close(milliseconds(MAIN, recorded(Recorded { bytes: 96_000_000, ..Recorded::default() })), 0.11);
+        // A stage without dispatches.
+        let clears = |frame: &mut CountedFrame| {
+            frame.recorded.insert("view".into(), Recorded { transfers: 1, ..Recorded::default() });
+        };
+        close(milliseconds(MAIN, clears), 0.015);
         close(milliseconds(MAIN, |frame| frame.uploads = 40), 0.05);
         close(milliseconds(MAIN, |frame| frame.read_backs = 1), 0.02);
         // Switches cost time on Apple only: 8 µs.
