@@ -1,6 +1,5 @@
 //! Constants of the model, from `gpu-constants.toml`, which names their units and sources.
 
-use super::model::CountedCommand;
 use anyhow::{Context, Result, ensure};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -139,12 +138,11 @@ impl Constants {
         self.goals.iter().find(|(name, _)| scene.starts_with(&**name)).map(|(_, goal)| *goal)
     }
 
-    /// Returns the bytes of the memory lines that a command loads and writes.
-    pub fn line_bytes(&self, command: &CountedCommand) -> f64 {
-        let name = command.kernel.as_deref().unwrap_or_default();
-        let of_texels = self.texels.get(name).map_or(0.0, |loads| loads.bytes / loads.used);
-        let used = self.lines.get(name).unwrap_or(&1.0);
-        command.bytes as f64 / used + command.texels as f64 * of_texels
+    /// Returns the bytes of the memory lines in which `bytes` bytes and `texels` loaded texels of `kernel` lie.
+    pub fn line_bytes(&self, kernel: &str, bytes: u64, texels: u64) -> f64 {
+        let of_texels = self.texels.get(kernel).map_or(0.0, |loads| loads.bytes / loads.used);
+        let used = self.lines.get(kernel).unwrap_or(&1.0);
+        bytes as f64 / used + texels as f64 * of_texels
     }
 
     /// Sets the loads from textures of a kernel.

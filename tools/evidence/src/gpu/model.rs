@@ -3,8 +3,8 @@
 //!
 //! A dispatch takes the largest of: its launch, since each depends on the one before; the latency of a wave, times the
 //! rounds in which all its waves fit on the chip; its cycles on all SIMDs; its bytes, and the memory lines that they
-//! lie in; its atomics, by where they land. Draws take the largest of launch, bytes and fragments. Copies and fills take
-//! a launch each. A frame is their sum, with its uploads, its read-backs and, on chips where they cost time, its
+//! lie in; its atomics, by where they land. Draws take the largest of launch, bytes and fragments. Copies and fills
+//! take a launch each. A frame is their sum, with its uploads, its read-backs and, on chips where they cost time, its
 //! encoders. The compiler estimates cycles with assumed turns of each loop; they are scaled by the ratio of the
 //! operations that a thread really executed to those with these turns.
 
@@ -188,7 +188,7 @@ impl<'a> Model<'a> {
         let mut limits = vec![
             (chip.launch, "launch"),
             (command.bytes as f64 / chip.bytes, "bytes"),
-            (self.constants.line_bytes(command) / chip.bytes, "partial lines"),
+            (self.constants.line_bytes(name, command.bytes, command.texels) / chip.bytes, "partial lines"),
             (command.atomics as f64 / atomics, "atomics"),
         ];
         match self.kernels.get(name).filter(|_| command.threads > 0) {
