@@ -61,7 +61,7 @@ enum Measurement {
     },
     /// The processor's part of a frame, on a device without a driver: time to record and submit it, heap allocations
     Record,
-    /// A model of frames on three GPUs, from the work of their dispatches and what a GPU's compiler makes of them
+    /// A model of frames on four GPUs, from the work of their dispatches and what a GPU's compiler makes of them
     Model {
         /// File of the model's inputs
         #[arg(long, value_name = "FILE", default_value = gpu::INPUTS)]

@@ -199,4 +199,26 @@ mod tests {
     fn steady_frames_create_no_bind_groups() {
         assert_eq!(created(&workload::long()).unwrap()[0], 0);
     }
+
+    #[test]
+    fn a_meter_counts_uploads_and_read_backs_of_one_frame() {
+        let meter = Meter::default();
+        let mut gpu = noop().unwrap();
+        gpu.context = gpu.context.with_probe(Arc::new(meter.clone()));
+        let mut played = Playback::new(gpu, &workload::long()).unwrap();
+        let context = played.scene.gpu.context.clone();
+        let mut count = |frames: u32| {
+            meter.start(&context);
+            for _ in 0..frames {
+                played.frame(None).unwrap();
+            }
+            meter.host_transfers()
+        };
+        // The first frames write more.
+        count(2);
+        let [one, two] = [1, 2].map(count);
+        assert!(one.uploads > 10 && two.uploads == 2 * one.uploads, "{one:?} {two:?}");
+        // A frame reads back at most the length of the lists of tiles.
+        assert!(one.read_backs <= 1 && two.read_backs > 0, "{one:?} {two:?}");
+    }
 }

@@ -38,7 +38,7 @@ impl StageCommands {
 
 impl From<(&str, Counts)> for StageCommands {
     fn from((stage, counts): (&str, Counts)) -> Self {
-        let Counts { passes, dispatches, draws, pipelines, groups, transfers, bytes } = counts;
+        let Counts { passes, dispatches, draws, pipelines, groups, transfers, bytes, .. } = counts;
         Self { stage: stage.into(), passes, dispatches, draws, pipelines, groups, transfers, bytes }
     }
 }

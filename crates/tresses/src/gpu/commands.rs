@@ -26,6 +26,8 @@ pub struct Commands<'a> {
     timings: Option<&'a mut Timings>,
     /// Commands recorded since the last lap.
     counts: Counts,
+    /// Whether the last command was a transfer.
+    transfers: bool,
     /// First error that no pass has returned yet.
     error: Option<Error>,
     /// Whether a compute pass continues the previous one.
@@ -59,7 +61,8 @@ impl Context {
     /// Records commands into `encoder`. After an error the encoder must not be submitted.
     pub fn commands<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> Commands<'a> {
         let (timings, counts, error) = (None, Counts::default(), None);
-        Commands { context: self.clone(), encoder, timings, counts, error, merges: false, open: None }
+        let (transfers, merges, open) = (false, false, None);
+        Commands { context: self.clone(), encoder, timings, counts, transfers, error, merges, open }
     }
 }
 
@@ -96,6 +99,7 @@ impl<'a> Commands<'a> {
         let keeps = self.merges && timestamp_writes.is_none();
         let pass = self.open.take().unwrap_or_else(|| {
             self.counts.passes += 1;
+            self.transfers = false;
             let descriptor = wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes };
             self.encoder.begin_compute_pass(&descriptor).forget_lifetime()
         });
@@ -125,6 +129,7 @@ impl<'a> Commands<'a> {
             ..Default::default()
         };
         self.counts += Counts { passes: 1, bytes: attached(&descriptor), ..Counts::default() };
+        self.transfers = false;
         RenderPass {
             pass: self.encoder.begin_render_pass(&descriptor),
             counts: &mut self.counts,
@@ -135,8 +140,7 @@ impl<'a> Commands<'a> {
     /// Fills the first `size` bytes of a buffer with zeros, or all of it.
     pub(crate) fn clear(&mut self, buffer: &wgpu::Buffer, size: Option<u64>) {
         self.encoder().clear_buffer(buffer, 0, size);
-        let bytes = size.unwrap_or(buffer.size());
-        self.counts += Counts { transfers: 1, bytes, ..Counts::default() };
+        self.transferred(size.unwrap_or(buffer.size()));
     }
 
     /// Fills a texture with zeros, in a pass without timing.
@@ -147,18 +151,27 @@ impl<'a> Commands<'a> {
             ..Default::default()
         };
         self.counts += Counts { passes: 1, bytes: attached(&descriptor), ..Counts::default() };
+        self.transfers = false;
         self.encoder().begin_render_pass(&descriptor);
+    }
+
+    /// Copies `size` bytes of a buffer at `at` to the start of another one.
+    pub(crate) fn copy_part(&mut self, from: &wgpu::Buffer, at: u64, to: &wgpu::Buffer, size: u64) {
+        self.encoder().copy_buffer_to_buffer(from, at, to, 0, size);
+        self.transferred(2 * size);
     }
 
     /// Copies a whole texture to another one of the same size.
     pub(crate) fn copy_texture(&mut self, from: &wgpu::Texture, to: &wgpu::Texture) {
         self.encoder().copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), to.size());
-        self.copied(bytes(to));
+        self.transferred(2 * bytes(to));
     }
 
-    /// Counts a copy of `bytes` bytes, which are read and written.
-    fn copied(&mut self, bytes: u64) {
-        self.counts += Counts { transfers: 1, bytes: 2 * bytes, ..Counts::default() };
+    /// Counts a copy or fill that moves `bytes` bytes.
+    fn transferred(&mut self, bytes: u64) {
+        let transfer_runs = u32::from(!self.transfers);
+        self.counts += Counts { transfers: 1, transfer_runs, bytes, ..Counts::default() };
+        self.transfers = true;
     }
 
     /// Begins a part of a stage. Commands recorded before belong to no row of the timings.
@@ -263,7 +276,7 @@ impl ComputePass<'_> {
     /// See [`wgpu::ComputePass::dispatch_workgroups_indirect`].
     pub(crate) fn dispatch_workgroups_indirect(&mut self, workgroups: &wgpu::Buffer, from: u64) {
         self.probe();
-        self.counts.dispatches += 1;
+        *self.counts += Counts { dispatches: 1, indirect: 1, ..Counts::default() };
         self.pass().dispatch_workgroups_indirect(workgroups, from);
     }
 

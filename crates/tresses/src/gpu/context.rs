@@ -1,6 +1,9 @@
 //! A device, its queue and the pipelines that are compiled for it.
 
-use super::{handle::Device, tier::Tier};
+use super::{
+    handle::{Device, Queue},
+    tier::Tier,
+};
 use std::{
     any::{Any, TypeId},
     collections::HashMap,
@@ -15,7 +18,7 @@ use std::{
 #[derive(Clone, Debug)]
 pub struct Context {
     pub(crate) device: Device,
-    pub(crate) queue: wgpu::Queue,
+    pub(crate) queue: Queue,
     tier: Tier,
     pub(super) sets: Arc<Mutex<HashMap<TypeId, Slot>>>,
 }
@@ -35,7 +38,7 @@ impl Context {
         Self {
             tier: Tier::of_device(device),
             device: Device { device: device.clone(), probe: None, broken: None, rewrite: None, fill: None },
-            queue: queue.clone(),
+            queue: Queue { queue: queue.clone(), probe: None },
             sets: Arc::default(),
         }
     }
@@ -48,7 +51,8 @@ impl Context {
     /// The same device with shaders that `probe` replaces.
     #[cfg(feature = "probe")]
     pub fn with_probe(self, probe: Arc<dyn super::probe::Probe>) -> Self {
-        Self { device: Device { probe: Some(probe), ..self.device }, sets: Arc::default(), ..self }
+        let queue = Queue { probe: Some(probe.clone()), ..self.queue };
+        Self { device: Device { probe: Some(probe), ..self.device }, queue, sets: Arc::default(), ..self }
     }
 
     /// The same device with an invalid shader `module`, for tests of errors.
@@ -66,7 +70,7 @@ impl Context {
     /// The same device whose new memory does not start at zero (`gpu/fill.rs`), for tests.
     #[doc(hidden)]
     pub fn with_filled_memory(self) -> Self {
-        let fill = Some(self.queue.clone());
+        let fill = Some(self.queue.queue.clone());
         Self { device: Device { fill, ..self.device }, sets: Arc::default(), ..self }
     }
 

@@ -1,4 +1,4 @@
-//! The device handle that kernels and pipelines use.
+//! The handles of device and queue that kernels and pipelines use.
 
 use super::probe::Probe;
 use std::{ops::Deref, sync::Arc};
@@ -22,5 +22,30 @@ impl Deref for Device {
 
     fn deref(&self) -> &wgpu::Device {
         &self.device
+    }
+}
+
+/// A queue whose uploads a probe counts.
+#[derive(Clone, Debug)]
+pub(crate) struct Queue {
+    pub queue: wgpu::Queue,
+    pub probe: Option<Arc<dyn Probe>>,
+}
+
+impl Queue {
+    /// As [`wgpu::Queue::write_buffer`].
+    pub fn write_buffer(&self, buffer: &wgpu::Buffer, offset: u64, data: &[u8]) {
+        if let Some(probe) = &self.probe {
+            probe.uploaded();
+        }
+        self.queue.write_buffer(buffer, offset, data);
+    }
+}
+
+impl Deref for Queue {
+    type Target = wgpu::Queue;
+
+    fn deref(&self) -> &wgpu::Queue {
+        &self.queue
     }
 }

@@ -24,6 +24,10 @@ pub trait Probe: Debug + Send + Sync {
         kernel: Option<&'static str>,
         groups: &[Option<wgpu::BindGroup>],
     ) -> (wgpu::BindGroup, u32);
+    /// Called when a frame writes to a buffer through the queue.
+    fn uploaded(&self);
+    /// Called when a copy to the CPU is submitted.
+    fn read_back(&self);
     /// Assigns the work recorded since the last call to the row `name` of the frame's timings.
     fn lap(&self, name: &'static str);
 }

@@ -133,6 +133,9 @@ impl Pending {
             device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("read-back") });
         record(&mut encoder, &target);
         queue.submit([encoder.finish()]);
+        if let Some(probe) = &device.probe {
+            probe.read_back();
+        }
         let mapping = Arc::new(Mutex::new(Mapping::default()));
         let callback_mapping = Arc::clone(&mapping);
         target.slice(..).map_async(wgpu::MapMode::Read, move |result| {

@@ -67,7 +67,13 @@ fn counts_follow_grooms_bodies_and_layers() {
     let less = row(&one, "body");
     assert_eq!((more.draws, more.passes), (less.draws + 2, less.passes));
     // The kernels reset the buffers of the tiles.
-    assert_eq!(row(&one, "bins").transfers, 0);
+    let bins = row(&one, "bins");
+    assert_eq!((bins.transfers, bins.transfer_runs), (0, 0));
+    // Per round: three kernels of the bins, and six that follow the lists.
+    let see = row(&one, "see");
+    let rounds = see.indirect / 6;
+    assert_eq!((bins.indirect, see.indirect), (3 * rounds, 6 * rounds));
+    assert_eq!((bins.dispatches, see.dispatches), (6 + 3 * rounds, 7 * rounds));
     // Another layer adds two passes and a copy of the depth.
     let [four, five] = [4, 5].map(|layers| row(&recorded(Renderer::peeling(layers), 1, 1), "hair"));
     let [width, height] = SIZE.map(u64::from);

@@ -209,22 +209,26 @@ fn starting(starts: &[start::StartCase]) -> String {
 /// The model of frames on GPUs, from its stored inputs.
 pub fn model() -> Result<String> {
     let inputs: gpu::Inputs = serde_json::from_str(gpu::STORED).context(gpu::INPUTS)?;
-    let model = gpu::Model::new(&inputs)?;
+    let constants = gpu::Constants::read()?;
+    let model = gpu::Model::new(&inputs, &constants)?;
     let mut text = format!(
         "\n## A model of frames on GPUs\n**A model, not a measurement**: no GPU was there. Milliseconds per frame in \
          motion, from the work of each dispatch, counted on a software driver with the kernels that GPUs use, and from \
          what the compiler of {} makes of them without the GPU. A dispatch takes the largest of 5 µs (each depends on the one before), \
-         the latency of its waves, cycles, bytes and atomics. Cycles are the compiler's estimate, scaled by the \
-         operations that a thread executes; uneven loops within a wave are not counted. The H100's figures assume the \
-         cycles of RDNA 3. Inputs: `{}`, written by `tresses-evidence model --write`.\n\n{}",
+         the latency of its waves, cycles, bytes, partly used memory lines and atomics; a frame also pays for its copies, \
+         uploads and read-backs and, on Apple, for encoders. Cycles are the compiler's estimate, scaled by the \
+         operations that a thread executes; uneven loops within a wave are not counted. The figures of the H100 and the \
+         M2 assume the cycles of RDNA 3. Inputs: `{}`, written by `tresses-evidence model --write`, and `{}`.\n\n{}\nWhat these frames record:\n\n{}",
         inputs.driver,
         gpu::INPUTS,
+        gpu::Constants::FILE,
         markdown(model.frames().into_iter(), true),
+        markdown(model.counts().into_iter(), true),
     );
-    let chip = &gpu::CHIPS[1];
     if let Some(frame) = inputs.frames.first() {
-        let rows = markdown(model.stage_rows(frame, chip).into_iter(), true);
-        text += &format!("\n{} on an {}, stage by stage:\n\n{rows}", frame.scene, chip.name);
+        let rows = markdown(model.stage_rows(frame).into_iter(), true);
+        let chip = &model.main_chip().name;
+        text += &format!("\n{} on an {chip}, stage by stage:\n\n{rows}", frame.scene);
     }
     Ok(text)
 }

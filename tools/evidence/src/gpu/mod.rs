@@ -1,13 +1,15 @@
 //! GPUs that this machine does not have: their compiler's statistics for each kernel, and a model of the frame time.
 
 pub mod compiler;
+mod constants;
 mod kernels;
 mod model;
 
-pub use model::{CHIPS, Inputs, Model};
+pub use constants::Constants;
+pub use model::{Inputs, Model};
 
-use crate::roofline;
-use anyhow::{Context, Result};
+use crate::roofline::{self, FrameWork};
+use anyhow::{Context, Result, ensure};
 use model::{CountedCommand, CountedFrame};
 use std::path::Path;
 use tresses::low_level::wall;
@@ -62,7 +64,8 @@ pub fn print_model(path: &Path, write: bool, json: bool) -> Result<()> {
     }
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     let inputs: Inputs = serde_json::from_str(&text)?;
-    let model = Model::new(&inputs)?;
+    let constants = Constants::read()?;
+    let model = Model::new(&inputs, &constants)?;
     if json {
         println!("{}", serde_json::to_string_pretty(&model.frames())?);
     } else {
@@ -85,8 +88,13 @@ fn inputs() -> Result<Inputs> {
 }
 
 /// Returns the scenes of the model: the default look, the two scenes of the 2008 talk, a groom with every strand
-/// simulated if its file exists, and a style with 100,000 strands.
+/// simulated if its file exists, a style with 100,000 strands, and the default look in wind and at 4K.
 fn scenes() -> Vec<Workload> {
+    let mut wind = workload::long();
+    wind.name = "The style long in wind of 8 m/s".into();
+    wind.preset.settings.set_wind_speed(8.0);
+    let mut large = workload::long();
+    large.size = Size { width: 3840, height: 2160 };
     let mut many_strands = workload::long();
     many_strands.name = "100,000 strands of the style long".into();
     many_strands.preset = workload::style(Some(100_000), workload::TILES);
@@ -95,22 +103,25 @@ fn scenes() -> Vec<Workload> {
     // The model has kernels only, no rasterizer.
     scenes.extend(workload::seed().into_iter().filter(|scene| scene.name.ends_with("tiles")));
     scenes.extend(workload::peer(&[], &[]).into_iter().flatten().skip(1));
-    scenes.push(many_strands);
+    scenes.extend([many_strands, wind, large]);
     scenes
 }
 
 /// Renders frames of `workload` and counts the commands and transfers of the last.
 fn count_frame(workload: &Workload) -> Result<CountedFrame> {
     eprintln!("counting: {}", workload.name);
-    let (commands, recorded) = roofline::commands(workload, UNCOUNTED_FRAMES, wall)?;
-    let by_stage = |value: &dyn Fn(&tresses::low_level::Counts) -> u64| {
-        recorded.iter().map(|(stage, counts)| ((*stage).to_owned(), value(counts))).collect::<Vec<_>>()
-    };
-    let transfers = by_stage(&|counts| counts.transfers.into());
+    let FrameWork { commands, recorded, host } = roofline::frame(workload, UNCOUNTED_FRAMES, wall)?;
+    let counted: u32 = recorded.iter().map(|(_, counts)| counts.dispatches + counts.draws).sum();
+    ensure!(
+        counted as usize == commands.len(),
+        "{counted} commands were recorded, {} counted",
+        commands.len()
+    );
     Ok(CountedFrame {
         scene: format!("{}, {}×{}", workload.name, workload.size.width, workload.size.height),
         commands: commands.iter().map(CountedCommand::from).collect(),
-        transfers: transfers.into_iter().map(|(stage, count)| (stage, count as u32)).collect(),
-        traffic_bytes: by_stage(&|counts| counts.bytes).into_iter().collect(),
+        recorded: recorded.iter().map(|(stage, counts)| ((*stage).to_owned(), counts.into())).collect(),
+        uploads: host.uploads,
+        read_backs: host.read_backs,
     })
 }

@@ -41,6 +41,15 @@ pub struct CommandWork {
     pub work: StageWork,
 }
 
+/// Copies between CPU and GPU that a frame makes besides its commands.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HostTransfers {
+    /// Writes to buffers through the queue.
+    pub uploads: u32,
+    /// Copies to the CPU, each submitted on its own.
+    pub read_backs: u32,
+}
+
 /// Counts the frames between [`start`](Self::start) and [`take`](Self::take).
 #[derive(Clone, Debug, Default)]
 pub struct Meter(Arc<State>);
@@ -65,6 +74,7 @@ struct CountBuffer {
 #[derive(Debug, Default)]
 struct Log {
     counts: bool,
+    transfers: HostTransfers,
     sizes: HashMap<wgpu::BindGroup, Vec<u64>>,
     /// Kernel, and sizes of the buffers in the first bind group, of each dispatch or draw.
     work: Vec<(Option<&'static str>, Vec<u64>)>,
@@ -127,11 +137,19 @@ impl Meter {
     pub fn start(&self, context: &Context) {
         let mut log = self.0.log();
         log.counts = true;
+        log.transfers = HostTransfers::default();
         log.work.clear();
         log.rows.clear();
         let mut encoder = context.device().create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.0.own(context.device()).buffer, 0, None);
         context.queue().submit([encoder.finish()]);
+    }
+
+    /// Stops counting and returns the copies between CPU and GPU.
+    pub fn host_transfers(&self) -> HostTransfers {
+        let mut log = self.0.log();
+        log.counts = false;
+        log.transfers
     }
 
     /// Stops counting and returns the work of each stage. Blocks.
@@ -149,9 +167,9 @@ impl Meter {
 
     /// Stops counting and returns the work of each dispatch and draw. Blocks.
     pub fn commands(&self, context: &Context) -> Result<Vec<CommandWork>> {
+        self.0.log().counts = false;
         let words: Vec<u32> = readback::buffer(context, &self.0.own(context.device()).buffer)?;
-        let mut log = self.0.log();
-        log.counts = false;
+        let log = self.0.log();
         ensure!(
             log.work.len() <= MAX_COMMANDS,
             "the frame has {} dispatches and draws, but at most {MAX_COMMANDS} can be counted",
@@ -236,6 +254,16 @@ impl Probe for Meter {
             log.work.push((kernel, bytes));
         }
         (own.group.clone(), (STEP * index as u64) as u32)
+    }
+
+    fn uploaded(&self) {
+        let mut log = self.0.log();
+        log.transfers.uploads += u32::from(log.counts);
+    }
+
+    fn read_back(&self) {
+        let mut log = self.0.log();
+        log.transfers.read_backs += u32::from(log.counts);
     }
 
     fn lap(&self, name: &'static str) {

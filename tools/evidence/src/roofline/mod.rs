@@ -7,12 +7,12 @@ mod meter;
 mod rates;
 
 use anyhow::{Context, Result};
-pub use meter::{CommandWork, Meter, StageWork};
+pub use meter::{CommandWork, HostTransfers, Meter, StageWork};
 use rates::Rates;
 use serde::Serialize;
 use std::sync::Arc;
 use tresses::{
-    Gpu,
+    Gpu, Timings,
     low_level::{Clock, Counts, Tier},
 };
 use tresses_cli::{
@@ -119,22 +119,28 @@ fn count(
     meter.take(&scene.gpu.context)
 }
 
-/// Counts each command of a frame of `workload` after `frames` frames, with the kernels that GPUs use. Returns it with
-/// the counts that the frame recorded.
-pub fn commands(
-    workload: &Workload,
-    frames: u32,
-    clock: Clock,
-) -> Result<(Vec<CommandWork>, Vec<StageCounts>)> {
+/// What a frame asks of a GPU.
+pub struct FrameWork {
+    /// Its dispatches and draws, in order.
+    pub commands: Vec<CommandWork>,
+    /// Counts of what it recorded, by stage.
+    pub recorded: Vec<StageCounts>,
+    /// Its copies between CPU and GPU.
+    pub host: HostTransfers,
+}
+
+/// Counts a frame of `workload` after `frames` frames, with the kernels that GPUs use.
+pub fn frame(workload: &Workload, frames: u32, clock: Clock) -> Result<FrameWork> {
     let mut gpu = pollster::block_on(Gpu::open())?;
     let meter = Meter::default();
-    let tier = Tier { software: false, timestamps: false, ..gpu.context.tier() };
+    let tier = Tier { software: false, ..gpu.context.tier() };
     gpu.context = gpu.context.with_tier(tier).with_probe(Arc::new(meter.clone()));
     let (_, motion) = *workload.runs.last().context("a state to measure")?;
     let mut scene = Photographer::on(gpu, &workload.counted_preset()?, workload.size)?;
     let camera = workload::camera(&scene, workload.size, workload.distance);
-    let counts = play(&mut scene, motion, &camera, clock, frames, &meter)?;
-    Ok((meter.commands(&scene.gpu.context)?, counts))
+    let recorded = play(&mut scene, motion, &camera, clock, frames, &meter)?;
+    let host = meter.host_transfers();
+    Ok(FrameWork { commands: meter.commands(&scene.gpu.context)?, recorded, host })
 }
 
 /// Name of a stage, and counts of its commands.
@@ -149,17 +155,25 @@ fn play(
     frames: u32,
     meter: &Meter,
 ) -> Result<Vec<StageCounts>> {
-    scene.measure_by(clock);
     let motion = Motion::named(motion).context("a built-in motion")?;
     let pivot = scene.character.neck();
     scene.reset(&motion.gesture(0.0, pivot))?;
+    let context = scene.gpu.context.clone();
     let mut counts = Vec::new();
     for frame in 0..=frames {
         if frame == frames {
-            meter.start(&scene.gpu.context);
+            meter.start(&context);
         }
         let pose = motion.gesture(f64::from(frame + 1) / FPS, pivot);
-        counts = scene.measured_frame(&pose, (1.0 / FPS) as f32, camera)?.counts;
+        scene.watch(camera);
+        // The laps of a clock also submit each part of a long frame on its own.
+        let mut timings = Timings::by(clock);
+        let mut encoder = context.device().create_command_encoder(&Default::default());
+        scene.record_advance(&mut encoder, Some(&mut timings), &pose, (1.0 / FPS) as f32)?;
+        scene.record_draw(&mut encoder, Some(&mut timings), camera)?;
+        context.queue().submit([encoder.finish()]);
+        context.device().poll(wgpu::PollType::wait_indefinitely())?;
+        counts = timings.counts().to_vec();
     }
     Ok(counts)
 }

@@ -292,7 +292,7 @@ impl SoftTargets {
                 COUNT_AT,
                 bytemuck::bytes_of(&INITIAL_COUNT),
             );
-            canvas.commands.encoder().copy_buffer_to_buffer(buffer, COUNT_AT, &self.count, 0, 16);
+            canvas.commands.copy_part(buffer, COUNT_AT, &self.count, 16);
             self.evaluate(pipelines, canvas, (part.light, buffer), size[0] * size[1])?;
         }
         Ok(())
