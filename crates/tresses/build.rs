@@ -63,7 +63,8 @@ fn main() {
             let name = if workgroup { format!("{module}::workgroup") } else { module.clone() };
             options.features.set("workgroup", workgroup);
             let mut own = StandardResolver::new("src");
-            for (name, value) in constants::SHARED.iter().copied().chain(variant).chain(bytes) {
+            let tiered = constants::TIERED.iter().map(|(name, software, _)| (*name, *software));
+            for (name, value) in constants::SHARED.iter().copied().chain(tiered).chain(variant).chain(bytes) {
                 own.add_constant(name, value);
             }
             let mut resolver = Router::new();

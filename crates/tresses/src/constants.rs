@@ -37,6 +37,12 @@ pub const SHARED: &[(&str, u32)] = &[
     ("TILE_STRATA", TILE_STRATA),
 ];
 
+/// Constants of shaders that depend on the driver: name, value for software drivers, value for GPUs. Shaders are linked
+/// with the first; [`crate::shaders::for_gpu`] replaces it.
+#[allow(dead_code)]
+pub const TIERED: &[(&str, u32, u32)] =
+    &[("TEXEL_SQUARE", 1, TEXEL_SQUARE), ("STAGED_VERTICES", 1, STAGED_VERTICES)];
+
 /// Shaders that are linked once per value of a constant: module, constant, values. The value becomes the last component
 /// of the module path.
 #[allow(dead_code)]
@@ -159,6 +165,10 @@ pub const TILE_BLOCK: u32 = 2;
 pub const TILE_SMALL_BIN: u32 = 512;
 /// Points per row of the textures that store them.
 pub const TILE_POINTS: u32 = 4096;
+/// Edge of the squares of texels that hold adjacent values on GPUs, which store textures in such squares.
+pub const TEXEL_SQUARE: u32 = 8;
+/// Vertices of each strand that a workgroup collects on GPUs, so that adjacent threads store adjacent vertices.
+pub const STAGED_VERTICES: u32 = 8;
 /// Maximum rounds in which tile lists are built.
 pub const TILE_ROUNDS: u32 = 4;
 /// Tiles per workgroup.

@@ -99,5 +99,5 @@ pub mod shade {
 
 /// All shaders, as linked WGSL.
 pub mod shaders {
-    pub use crate::shaders::all;
+    pub use crate::shaders::{all, for_gpu};
 }

@@ -1,6 +1,7 @@
 //! Linked shaders: plain WGSL by module path, one per file with an entry point.
 
-use std::sync::OnceLock;
+use crate::constants::TIERED;
+use std::{borrow::Cow, sync::OnceLock};
 
 include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
@@ -22,6 +23,18 @@ pub(crate) fn named(module: &str) -> &'static str {
 fn find(module: &str) -> (&'static str, &'static str) {
     let found = all().iter().find(|(name, _)| *name == module);
     *found.unwrap_or_else(|| panic!("no shader {module}"))
+}
+
+/// Returns the text of a linked shader for a GPU: with the other values of [`TIERED`](crate::constants::TIERED).
+pub fn for_gpu(text: &str) -> Cow<'_, str> {
+    let mut text = Cow::Borrowed(text);
+    for (name, software, gpu) in TIERED {
+        let declared = format!("{name} = {software}u;");
+        if text.contains(&declared) {
+            text = Cow::Owned(text.replacen(&declared, &format!("{name} = {gpu}u;"), 1));
+        }
+    }
+    text
 }
 
 /// Returns every linked shader as (module path, WGSL), for tools and tests.
@@ -46,7 +59,22 @@ pub fn all() -> &'static [(&'static str, &'static str)] {
 
 #[cfg(test)]
 mod tests {
-    use super::all;
+    use super::*;
+
+    #[test]
+    fn shaders_of_gpus_differ_in_one_declaration() {
+        for (name, software, gpu) in TIERED {
+            let users: Vec<_> = all().iter().filter(|(_, wgsl)| wgsl.contains(name)).collect();
+            assert!(!users.is_empty(), "{name}");
+            for (module, wgsl) in users {
+                assert!(wgsl.contains(&format!("{name} = {software}u;")), "{module}: {name}");
+                let changed = for_gpu(wgsl);
+                assert!(changed.contains(&format!("{name} = {gpu}u;")), "{module}: {name}");
+                assert_eq!(changed.lines().count(), wgsl.lines().count(), "{module}");
+            }
+        }
+        assert!(matches!(for_gpu("fn f() {}"), Cow::Borrowed(_)));
+    }
 
     /// Returns the negated comparisons of floats in `wgsl`, and comparisons of a value with itself.
     fn nan_tests(wgsl: &str) -> Vec<&str> {

@@ -13,12 +13,14 @@ use std::{
     process::{Command, Stdio},
     result::Result,
 };
+use tresses::low_level::shaders;
 
 /// Calls `check` with the name of each shader, its module without overrides, and what validation knows of it.
 fn each(mut check: impl FnMut(&str, &Module, &ModuleInfo)) {
     // WebGPU has all functions for packed 16-bit floats.
     let capabilities = Capabilities::default() | Capabilities::SHADER_FLOAT16_IN_FLOAT32;
-    for (name, source) in tresses::low_level::shaders::all() {
+    for (name, source) in shaders::all() {
+        let source = &shaders::for_gpu(source);
         let module = wgsl::parse_str(source).unwrap_or_else(|error| panic!("{name}: {error}"));
         let mut validator = Validator::new(ValidationFlags::all(), capabilities);
         let info = validator.validate(&module).unwrap_or_else(|error| panic!("{name}: {error:?}"));

@@ -7,7 +7,10 @@ use super::{
 };
 use anyhow::Result;
 use pollster::block_on;
-use std::time::{Duration, Instant};
+use std::{
+    borrow::Cow,
+    time::{Duration, Instant},
+};
 use tresses::{Context, Gpu, PipelineRequest, low_level::shaders};
 use tresses_scene::{Settings, Value};
 
@@ -32,8 +35,9 @@ pub fn measure(draft: &mut Draft, quick: bool) -> Result<()> {
     let limit = Duration::from_secs(if quick { seconds / 4 } else { seconds });
     let (start, mut skipped) = (Instant::now(), 0);
     for (name, wgsl) in shaders::all() {
+        let wgsl = if context.tier().software { Cow::Borrowed(*wgsl) } else { shaders::for_gpu(wgsl) };
         skipped += u32::from(start.elapsed() > limit);
-        shader(draft, context.device(), (name, wgsl), start.elapsed() <= limit);
+        shader(draft, context.device(), (name, &wgsl), start.elapsed() <= limit);
         draft.keep();
     }
     if skipped > 0 {

@@ -7,6 +7,7 @@ use crate::{
 };
 use serde_json::Value;
 use std::{
+    borrow::Cow,
     collections::{BTreeMap, BTreeSet},
     fmt::Write,
     ops::Range,
@@ -19,6 +20,7 @@ use tresses::groom::{
     mannequin,
     scalp::GridScalp,
 };
+use tresses::low_level::shaders;
 use tresses_web::{Server, WebPage, pack};
 
 /// Size of the page, pixels. Narrower pages hide the panel.
@@ -279,17 +281,17 @@ fn browsers_accept_all_shaders() {
     let (server, serving) = serve(folder.path());
     browser.go(&format!("http://127.0.0.1:{}/", server.port()));
     browser.until("document.title", |title| title == "Shaders");
-    let mut refused = |shaders: &[(&str, &str)]| {
+    let mut refused = |shaders: &[(&str, Cow<'_, str>)]| {
         let shaders = serde_json::to_string(shaders).unwrap();
         browser.value(&COMPILE.replace("SHADERS", &shaders))
     };
-    let all = tresses::low_level::shaders::all();
+    let all: Vec<_> = shaders::all().iter().map(|(name, wgsl)| (*name, shaders::for_gpu(wgsl))).collect();
     assert!(all.len() > 50, "{}", all.len());
-    let found = refused(all);
+    let found = refused(&all);
     assert_eq!(found, serde_json::json!([]), "{found:#}");
     let wrong = "@group(0) @binding(0) var<storage, read_write> n: u32;
         @compute @workgroup_size(64) fn run() { if n > 0u { workgroupBarrier(); } }";
-    assert!(refused(&[("wrong", wrong)])[0].as_str().unwrap().contains("uniform"));
+    assert!(refused(&[("wrong", wrong.into())])[0].as_str().unwrap().contains("uniform"));
     server.stop();
     serving.join().unwrap();
 }

@@ -35,9 +35,11 @@ impl Context {
     /// Creates a context for the caller's device and queue. Its tier is what the device itself reports; [`Tier::of`]
     /// and [`with_tier`](Self::with_tier) add what only the adapter knows.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
+        let (tier, device) = (Tier::of_device(device), device.clone());
+        let is_gpu = !tier.software;
         Self {
-            tier: Tier::of_device(device),
-            device: Device { device: device.clone(), probe: None, broken: None, rewrite: None, fill: None },
+            tier,
+            device: Device { device, is_gpu, probe: None, broken: None, rewrite: None, fill: None },
             queue: Queue { queue: queue.clone(), probe: None },
             sets: Arc::default(),
         }
@@ -45,7 +47,8 @@ impl Context {
 
     /// The same device with the capabilities `tier`, which choose the kernels.
     pub fn with_tier(self, tier: Tier) -> Self {
-        Self { tier, sets: Arc::default(), ..self }
+        let device = Device { is_gpu: !tier.software, ..self.device };
+        Self { tier, device, sets: Arc::default(), ..self }
     }
 
     /// The same device with shaders that `probe` replaces.

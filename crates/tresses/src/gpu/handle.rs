@@ -7,6 +7,8 @@ use std::{ops::Deref, sync::Arc};
 #[derive(Clone, Debug)]
 pub(crate) struct Device {
     pub device: wgpu::Device,
+    /// Whether shaders have the constants of GPUs ([`crate::constants::TIERED`]).
+    pub is_gpu: bool,
     /// Instruments shaders.
     pub probe: Option<Arc<dyn Probe>>,
     /// Module whose shader is made invalid.

@@ -130,12 +130,12 @@ fn module(device: &Device, name: &'static str) -> wgpu::ShaderModule {
 
 fn shader_module(device: &Device, name: &str, wgsl: &str) -> wgpu::ShaderModule {
     let wgsl = if device.broken == Some(name) { "broken" } else { wgsl };
-    let rewritten = device.rewrite.map(|rewrite| rewrite(wgsl));
-    let wgsl = rewritten.as_deref().unwrap_or(wgsl);
+    let wgsl = if device.is_gpu { shaders::for_gpu(wgsl) } else { wgsl.into() };
+    let wgsl = device.rewrite.map_or(wgsl.clone(), |rewrite| rewrite(&wgsl).into());
     if let Some(probe) = &device.probe {
-        return probe.shader(device, name, wgsl);
+        return probe.shader(device, name, &wgsl);
     }
-    let source = wgpu::ShaderSource::Wgsl(wgsl.into());
+    let source = wgpu::ShaderSource::Wgsl(wgsl.into_owned().into());
     device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(name), source })
 }
 

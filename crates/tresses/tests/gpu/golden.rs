@@ -9,7 +9,7 @@ use tresses::{
     glam::Vec3,
     groom::{TriMesh, bound::Strand},
     light::{FiberMaterial, HairMaterial, Sphere},
-    low_level::{HairSet, StrandBuffers, StrandVertex, pack_tangent},
+    low_level::{HairSet, StrandBuffers, StrandVertex, Tier, pack_tangent},
     renderer::{Renderer, ShadingModel},
 };
 
@@ -128,6 +128,25 @@ fn hair_on_a_ball_matches_the_golden_images() {
     smooth.shape.longitudinal = 0.2;
     let alone = fiber(FiberMaterial { density_forward: 0.0, density_back: 0.0, ..brown.fiber });
     compare(context, ("ball-fiber.png", ShadingModel::Fiber), brown, &[lighter, fiber(smooth), alone]);
+}
+
+/// Lists of tiles are stored in squares of texels on GPUs.
+#[test]
+fn tiles_of_both_tiers_draw_the_same_image() {
+    let Some(context) = common::context() else { return };
+    let gpu = context.clone().with_tier(Tier { software: false, ..context.tier() });
+    for samples in [1, 4] {
+        let [own, other] = [context, &gpu].map(|context| {
+            let options = ViewOptions { renderer: Renderer::tiles(samples), ..common::coarse() };
+            let view = View::new(context, &options, SIZE, 1).expect("fits");
+            let hair = HairSet::new(context, &strands(context, 0..COUNT)).expect("fits");
+            let body = Body::new(context, &ball());
+            // The second frame orders only the fronts of the lists.
+            [(); 2].map(|()| common::picture(context, &view, &scene(), &[&hair], &[&body]))
+        });
+        assert!(own == other, "{samples} samples");
+        assert!(own[0] == own[1] && own[0].iter().any(|value| *value != own[0][0]), "{samples} samples");
+    }
 }
 
 /// Compares `material` with the image `name`, and checks that the other materials look different.

@@ -7,7 +7,9 @@ use tresses::{
     glam::{Quat, Vec3},
     groom::{BindOptions, Groom, GuideCount, Strands, bind},
     interpolate::Interpolation,
-    low_level::{GuideBuffers, StrandBuffers, StrandVertex, readback::blocking as readback, unpack_tangent},
+    low_level::{
+        GuideBuffers, StrandBuffers, StrandVertex, Tier, readback::blocking as readback, unpack_tangent,
+    },
     simulate::rest,
     strands::{GuideSample, guide::pack_lag},
     tessellate::{TessellateParams, Tessellation, rest_samples},
@@ -115,6 +117,25 @@ fn rest_shape_is_reproduced_within_a_tenth_of_a_millimeter() {
         bent[40] += Vec3::X * 0.01;
         let drawn = draw(context, &groom, &bent, &bent, 1.0, Pose::IDENTITY);
         assert!(error(&groom, &drawn, Pose::IDENTITY) > 1e-4);
+    }
+}
+
+/// On GPUs threads exchange vertices before they store them.
+#[test]
+fn kernels_of_both_tiers_store_the_same_vertices() {
+    let Some(context) = common::context() else { return };
+    let gpu = context.clone().with_tier(Tier { software: false, ..context.tier() });
+    // Strands and vertices that fill a workgroup and a part, and others.
+    for (count, vertices) in [(64, 16), (100, 16), (70, 17), (3, 8), (65, 2)] {
+        let strands = common::hanging(count, vertices, 0.2);
+        let options = BindOptions { guides: GuideCount::OneIn(2), ..Default::default() };
+        let groom = bind(&strands, &options).unwrap();
+        let moved: Vec<_> = groom.guides.positions.iter().map(|p| *p + Vec3::Z * (0.3 * p.y).sin()).collect();
+        let [own, other] =
+            [context, &gpu].map(|context| draw(context, &groom, &moved, &moved, 1.0, Pose::IDENTITY));
+        assert_eq!(own.len(), groom.strands.len() * groom.strands.vertex_count as usize);
+        assert!(own == other, "{count} strands of {vertices} vertices");
+        assert!(own.iter().all(|vertex| vertex.position != Vec3::ZERO || vertex.tangent != 0));
     }
 }
 

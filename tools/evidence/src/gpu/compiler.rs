@@ -76,8 +76,9 @@ pub fn compile(family: &str) -> Result<Option<CompiledKernels>> {
 /// Compiles all kernels with the driver that the environment names, and prints them as JSON.
 pub fn print() -> Result<()> {
     let compiler = Compiler::open()?;
-    let kernels = kernels()
-        .map(|(name, source)| KernelStats::new(&compiler, name, source).with_context(|| name.to_owned()));
+    let kernels = kernels().map(|(name, source)| {
+        KernelStats::new(&compiler, name, &shaders::for_gpu(source)).with_context(|| name.to_owned())
+    });
     let kernels = kernels.collect::<Result<_>>()?;
     println!("{}", serde_json::to_string(&CompiledKernels { driver: compiler.name.clone(), kernels })?);
     Ok(())

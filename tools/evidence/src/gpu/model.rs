@@ -160,7 +160,7 @@ impl<'a> Model<'a> {
         for kernel in &inputs.kernels {
             let source = shaders::all().iter().find(|(name, _)| *name == kernel.name);
             let (_, source) = source.with_context(|| format!("there is no kernel {}", kernel.name))?;
-            kernels.insert(&*kernel.name, (kernel, expected(source)?));
+            kernels.insert(&*kernel.name, (kernel, expected(&shaders::for_gpu(source))?));
         }
         for command in inputs.frames.iter().flat_map(|frame| &frame.commands).filter(|it| it.atomics > 0) {
             let name = command.kernel.as_deref().unwrap_or("a draw");

@@ -2,14 +2,14 @@
 
 use crate::{
     Result,
-    constants::TILE_POINTS,
+    constants::{TEXEL_SQUARE, TILE_POINTS},
     gpu::{
         Device,
         commands::{self, Commands},
     },
 };
 
-/// An array in a texture with [`TILE_POINTS`] values per row. Software drivers load texels for many lanes at a time,
+/// An array in a texture of [`TILE_POINTS`] texels per row; `grid::texel_of` maps an index to a texel. Software drivers load texels for many lanes at a time,
 /// but buffer words lane by lane.
 #[derive(Debug)]
 pub(crate) struct Texels {
@@ -28,7 +28,8 @@ impl Texels {
         count: u64,
         format: wgpu::TextureFormat,
     ) -> Result<Self> {
-        let rows = count.div_ceil(u64::from(TILE_POINTS)).max(1);
+        let square = if device.is_gpu { u64::from(TEXEL_SQUARE) } else { 1 };
+        let rows = square * count.div_ceil(square * u64::from(TILE_POINTS)).max(1);
         let max_rows = device.limits().max_texture_dimension_2d.into();
         if rows > max_rows {
             return Err(crate::Error::Limit {
