@@ -46,12 +46,13 @@ enum Measurement {
     Costs,
     /// Frames, strand counts, memory and start-up, as the page docs/benchmarks.md
     Benchmarks(benchmarks::PageArgs),
-    /// Registers, spills and waves of each compute kernel, by a GPU's compiler without the GPU; fails when one spills. Needs Mesa's
-    /// RADV: named by TRESSES_RADV, or installed
+    /// Registers, spills and waves of each compute kernel, by GPUs' compilers without the GPUs; fails when one spills more
+    /// than is known. Needs the drivers of scripts/gpu-compilers, in TRESSES_GPU_COMPILERS or target/tools; for AMD alone,
+    /// an installed RADV, or the one that TRESSES_RADV names
     Kernels {
-        /// Chips, by their names in RADV [default: navi31 navi21 vega10]
-        #[arg(long, value_name = "NAME")]
-        family: Vec<String>,
+        /// Chips, as MAKER:NAME: amd, intel, nvidia, qualcomm, apple; names as in Mesa [default: some of each]
+        #[arg(long, value_name = "CHIP")]
+        chip: Vec<String>,
         /// Print all kernels, instead of those with the most registers
         #[arg(long)]
         all: bool,
@@ -81,7 +82,7 @@ fn main() -> Result<()> {
     let Cli { what, timing } = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     match what {
         Measurement::Kernels { compile: true, .. } => return gpu::compiler::print(),
-        Measurement::Kernels { family, all, .. } => return gpu::print_kernels(family, all, timing.json),
+        Measurement::Kernels { chip, all, .. } => return gpu::print_kernels(chip, all, timing.json),
         Measurement::Record => return record::print(timing.frames.unwrap_or(100), timing.json),
         Measurement::Model { markdown: true, .. } => {
             print!("{}", benchmarks::model()?);

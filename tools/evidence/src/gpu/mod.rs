@@ -26,22 +26,16 @@ pub const STORED: &str = include_str!("../../gpu-model.json");
 /// Frames rendered before the counted one, so that the tile lists of a view have reached their size.
 const UNCOUNTED_FRAMES: u32 = 5;
 
-/// Compiles the kernels for `families` (RADV chip names; empty for the default ones) and prints their statistics. Each
-/// table has the kernels with the most registers, or every kernel with `all`. Without RADV, prints that it is missing.
+/// Compiles the kernels for the chips `names` (empty for the default ones) and prints their statistics. Each table has
+/// the kernels with the most registers, or every kernel with `all`. Names the chips whose driver is missing.
 ///
 /// # Errors
-/// Fails if a kernel does not compile or spills registers.
-pub fn print_kernels(mut families: Vec<String>, all: bool, json: bool) -> Result<()> {
-    if compiler::driver().is_none() {
-        println!(
-            "not run: RADV, Mesa's Vulkan driver for AMD, is not installed, and TRESSES_RADV does not name one"
-        );
-        return Ok(());
+/// Fails if a kernel does not compile, or spills more registers than is known.
+pub fn print_kernels(mut names: Vec<String>, all: bool, json: bool) -> Result<()> {
+    if names.is_empty() {
+        names = kernels::CHIPS.map(String::from).to_vec();
     }
-    if families.is_empty() {
-        families = kernels::FAMILIES.map(String::from).to_vec();
-    }
-    let (chips, missing) = kernels::compile(&families)?;
+    let (chips, missing) = kernels::compile(&names)?;
     if json {
         println!("{}", serde_json::to_string_pretty(&chips)?);
     } else {
@@ -54,7 +48,7 @@ pub fn print_kernels(mut families: Vec<String>, all: bool, json: bool) -> Result
 /// Prints the model of the inputs at `path`. With `write`, first counts frames, compiles kernels and writes the inputs.
 ///
 /// # Errors
-/// Fails without the file; with `write`, without RADV or an adapter.
+/// Fails without the file; with `write`, without a driver of AMD or an adapter.
 pub fn print_model(path: &Path, write: bool, json: bool) -> Result<()> {
     if write {
         let text = serde_json::to_string(&inputs()?)?;
@@ -76,9 +70,9 @@ pub fn print_model(path: &Path, write: bool, json: bool) -> Result<()> {
 
 /// Counts frames on this machine and compiles their kernels for RDNA 3, or for RDNA 2 if RADV does not support RDNA 3.
 fn inputs() -> Result<Inputs> {
-    let compiled =
-        compiler::compile("navi31")?.map_or_else(|| compiler::compile("navi21"), |it| Ok(Some(it)))?;
-    let compiler::CompiledKernels { driver, mut kernels } = compiled.context("RADV knows no such chip")?;
+    let (compiled, missing) = kernels::compile(&["amd:navi31", "amd:navi21"].map(String::from))?;
+    let compiled = compiled.into_iter().next().with_context(|| missing.join(", "))?;
+    let compiler::CompiledKernels { driver, mut kernels, .. } = compiled;
     let frames = scenes().iter().map(count_frame).collect::<Result<Vec<_>>>()?;
     let is_used = |name: &str| {
         frames.iter().flat_map(|frame| &frame.commands).any(|command| command.kernel.as_deref() == Some(name))

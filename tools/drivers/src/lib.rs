@@ -1,8 +1,8 @@
 //! Statistics that a Vulkan driver reports of compute kernels (`VK_KHR_pipeline_executable_properties`).
 //!
-//! Mesa's RADV also compiles for chips that are not there (`RADV_FORCE_FAMILY`). wgpu cannot use it then, because it
-//! submits commands when it opens a device; this crate only compiles. It is the only one here with unsafe code: the
-//! calls of the Vulkan interface.
+//! Mesa's drivers also compile for chips that are not there: RADV by a variable, others with a library that stands in
+//! for the kernel's driver. wgpu cannot use RADV then, because it submits commands when it opens a device; this crate
+//! only compiles. It is the only one here with unsafe code: the calls of the Vulkan interface.
 
 use anyhow::{Context, Result, ensure};
 use ash::{Device, Entry, Instance, khr::pipeline_executable_properties, vk};
@@ -24,6 +24,22 @@ pub enum ResourceKind {
 
 /// Resource of a shader: bind group, binding, kind.
 pub type Resource = (u32, u32, ResourceKind);
+
+/// What a driver reports of a kernel.
+#[derive(Clone, Debug, Default)]
+pub struct Statistics {
+    /// Threads that run in lockstep.
+    pub lanes: u32,
+    /// The driver's numbers by its names.
+    pub numbers: Vec<(String, u64)>,
+}
+
+impl Statistics {
+    /// Returns the number with the name `key`.
+    pub fn get(&self, key: &str) -> Option<u64> {
+        self.numbers.iter().find(|(name, _)| name == key).map(|(_, number)| *number)
+    }
+}
 
 /// Most bind groups of a shader.
 const GROUPS: usize = 4;
@@ -56,7 +72,7 @@ impl Compiler {
             let mut driver = vk::PhysicalDeviceDriverProperties::default();
             let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
             instance.get_physical_device_properties2(physical, &mut properties);
-            let name = properties.properties.device_name_as_c_str()?.to_string_lossy().into_owned();
+            let name = properties.properties.device_name_as_c_str()?.to_string_lossy().trim().to_owned();
             let driver = driver.driver_info_as_c_str()?.to_string_lossy().into_owned();
             // All features, since kernels need some.
             let mut of_1_1 = vk::PhysicalDeviceVulkan11Features::default();
@@ -86,16 +102,11 @@ impl Compiler {
         }
     }
 
-    /// Compiles the compute shader `spirv` and returns the driver's statistics: names and values.
+    /// Compiles the compute shader `spirv` and returns the driver's statistics.
     ///
     /// # Errors
     /// Fails if the driver rejects it.
-    pub fn statistics(
-        &self,
-        spirv: &[u32],
-        entry: &str,
-        resources: &[Resource],
-    ) -> Result<Vec<(String, u64)>> {
+    pub fn statistics(&self, spirv: &[u32], entry: &str, resources: &[Resource]) -> Result<Statistics> {
         let mut bindings: [Vec<vk::DescriptorSetLayoutBinding<'_>>; GROUPS] = Default::default();
         for (group, binding, kind) in resources {
             let kind = match kind {
@@ -140,7 +151,10 @@ impl Compiler {
                 .map_err(|(_, error)| error)?;
             let executable = vk::PipelineExecutableInfoKHR::default().pipeline(pipelines[0]);
             let found = self.statistics.get_pipeline_executable_statistics(&executable)?;
-            let mut statistics = Vec::new();
+            let of_pipeline = vk::PipelineInfoKHR::default().pipeline(pipelines[0]);
+            let executables = self.statistics.get_pipeline_executable_properties(&of_pipeline)?;
+            let lanes = executables.first().map_or(0, |executable| executable.subgroup_size);
+            let mut numbers = Vec::new();
             for statistic in &found {
                 // Floats and flags are left out.
                 let number = match statistic.format {
@@ -148,14 +162,14 @@ impl Compiler {
                     vk::PipelineExecutableStatisticFormatKHR::INT64 => statistic.value.i64 as u64,
                     _ => continue,
                 };
-                statistics.push((statistic.name_as_c_str()?.to_string_lossy().into_owned(), number));
+                numbers.push((statistic.name_as_c_str()?.to_string_lossy().into_owned(), number));
             }
             device.destroy_pipeline(pipelines[0], None);
             device.destroy_shader_module(module, None);
             device.destroy_pipeline_layout(layout, None);
             sets.iter().for_each(|set| device.destroy_descriptor_set_layout(*set, None));
-            ensure!(!statistics.is_empty(), "the driver reports no statistics");
-            Ok(statistics)
+            ensure!(!numbers.is_empty(), "the driver reports no statistics");
+            Ok(Statistics { lanes, numbers })
         }
     }
 }
