@@ -1,11 +1,12 @@
 //! The air around one groom: its grid, and how the grid follows the head.
 
 use super::{
-    drag,
-    grids::{Grids, Groups, Sweep},
+    blocks, drag,
+    grids::{Advection, Grids},
     gusts::Gusts,
+    levels,
     params::{Wind, WindUniforms},
-    pipelines::Pipelines,
+    pipelines::{Dispatch, Pipelines, PressureSolve},
 };
 use crate::{
     Context, Error, Pose, Result,
@@ -62,7 +63,8 @@ pub(crate) struct Air {
     pub give: wgpu::Texture,
     /// Advects the air without MacCormack's correction, for comparison.
     pub plain: bool,
-    pub(super) groups: Groups,
+    advection: Advection,
+    pressure: PressureSolve,
     center: Vec3,
     uniforms: wgpu::Buffer,
     bytes: u64,
@@ -106,7 +108,12 @@ impl Air {
         let uniforms =
             uniform_buffer(device, "air steps", STRIDE as usize * (MAX_STEPS * MAX_SPLIT) as usize);
         let grids = Grids::new(device, cells);
-        let groups = grids.bind(context, &pipelines, &uniforms, hair_grid);
+        let advection = grids.advection(&pipelines, &uniforms, hair_grid, cells);
+        let pressure = if context.tier().software {
+            blocks::solve(context, &pipelines, &uniforms, &grids, cells)
+        } else {
+            levels::solve(context, &pipelines, &grids, cells)
+        };
         Ok(Self {
             pipelines,
             cells,
@@ -118,8 +125,9 @@ impl Air {
             #[cfg(test)]
             give: grids.give.texture().clone(),
             plain: false,
-            bytes: grids.bytes + uniforms.size(),
-            groups,
+            bytes: grids.bytes + pressure.bytes + uniforms.size(),
+            advection,
+            pressure,
             center,
             uniforms,
             wind: None,
@@ -217,42 +225,21 @@ impl Air {
     /// Records step `index` of those written by [`prepare`](Self::prepare). The caller has
     /// [advanced](ColliderSet::advance) `colliders` by the same steps.
     pub fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, colliders: &ColliderSet, index: u32) {
-        let (run, groups, n) = (self.runs[index as usize], &self.groups, self.cells);
-        let cells = [n / 8, n / 4, n / 2];
-        let half = [n.div_ceil(32), n / 8, n / 2];
+        let run = self.runs[index as usize];
         pass.set_bind_group(1, colliders.group(), &[]);
         for part in 0..run.parts {
-            let step = (run.first + part) * STRIDE as u32;
-            if part == 0 {
-                self.pipelines.obstacles.record_grid(pass, &groups.obstacles, &[step], cells);
-            }
-            self.pipelines.predict.record_grid(pass, &groups.predict, &[step], cells);
-            self.pipelines.correct.record_grid(pass, &groups.correct, &[step], cells);
-            self.pipelines.gather.record_grid(pass, &groups.gather, &[step], [n.div_ceil(32), n / 4, n / 2]);
-            let fresh = run.fresh && part == 0;
-            for sweep in self.sweeps(fresh) {
-                for color in &groups.relax[sweep as usize] {
-                    self.pipelines.relax.record_grid(pass, color, &[step], half);
-                }
-            }
-            for color in &groups.project {
-                self.pipelines.project.record_grid(pass, color, &[step], half);
+            let offset = (run.first + part) * STRIDE as u32;
+            for dispatch in self.dispatches(part == 0, run.fresh) {
+                dispatch.record(pass, &self.pipelines, offset);
             }
         }
     }
 
-    /// Returns the sweeps of the pressure, an even number, because each reads the texture that the previous one wrote.
-    /// Larger grids need more, for information to cross the grid.
-    fn sweeps(&self, fresh: bool) -> impl Iterator<Item = Sweep> + use<> {
-        let sweeps = 2 * (self.cells as usize * SWEEPS).div_ceil(64).max(2);
-        let sweeps = if fresh { 4 * sweeps } else { sweeps };
-        (0..sweeps).map(move |i| match i {
-            0 if fresh => Sweep::First,
-            i if i + 1 == sweeps => Sweep::Last,
-            i if i + 2 == sweeps => Sweep::Slowing,
-            i if i % 2 == 0 => Sweep::Even,
-            _ => Sweep::Odd,
-        })
+    /// Returns the dispatches of a part of a step, the `first` one or another. In a `fresh` step the air starts anew.
+    pub(crate) fn dispatches(&self, first: bool, fresh: bool) -> impl Iterator<Item = &Dispatch> {
+        let obstacles = first.then_some(&self.advection.obstacles);
+        let pressure = if first && fresh { &self.pressure.fresh } else { &self.pressure.steady };
+        obstacles.into_iter().chain(&self.advection.air).chain(pressure)
     }
 
     fn grid(&self) -> AirGrid {
@@ -332,9 +319,6 @@ impl Air {
         }
     }
 }
-
-/// Sweeps per step with 32 cells along an axis.
-const SWEEPS: usize = 8;
 
 /// Largest distance that the air travels at once, meters: about a head's width.
 const MAX_TRAVEL: f32 = 0.21;

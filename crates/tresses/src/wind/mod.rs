@@ -8,7 +8,10 @@
 //! ```text
 //! colliders ─► obstacles ─► solid, hair ──────────────────────────────┐
 //! volume ────────┘                                                    ▼
-//! faces, centers ─► predict ─► advected ─► correct ─► before, give ─► gather ─► relax × 2n ─► project ─► faces, centers
+//! faces, centers ─► predict ─► advected ─► correct ─► before, give ─► pressure ─► faces, centers
+//!
+//! pressure on a software driver: gather ─► relax × 2n ─► project × 2
+//! pressure on a GPU:             smooth_level ─► coarse_solve ─► smooth_project
 //! ```
 //!
 //! - **Advection.** `predict` traces the air backwards along its paths (Stam 1999). `correct` adds MacCormack's
@@ -27,11 +30,20 @@
 //!   responds to pressure in the same way. If the drag were applied before the projection, the pressure would blow the
 //!   air through the hair again. The quadratic drag is linearized by Newton's method; using only the last speed
 //!   oscillates between two values.
-//! - **Pressure.** Red-black block relaxation, four cells of a row at once, started from the last step's pressure. At
-//!   32³ there are eight sweeps, over-relaxed by 1.7, the last but one by 1.3, the last not at all. The first sweeps
-//!   spread the smooth part of the error over the grid but leave it rough; the last ones smooth it. This leaves 0.3 to
-//!   0.6 % of relative divergence (`tests/stages/wind.rs`), six sweeps up to 0.9 %. Twelve at a constant 1.5 left up to
-//!   0.8 %, although the air moved less far per step.
+//! - **Pressure on a software driver** (`blocks`). Red-black block relaxation, four cells of a row at once, started
+//!   from the last step's pressure. At 32³ there are eight sweeps, over-relaxed by 1.7, the last but one by 1.3, the
+//!   last not at all. The first sweeps spread the smooth part of the error over the grid but leave it rough; the last
+//!   ones smooth it. This leaves 0.3 to 0.6 % of relative divergence (`tests/stages/wind.rs`), six sweeps up to 0.9 %.
+//!   Twelve at a constant 1.5 left up to 0.8 %, although the air moved less far per step.
+//! - **Pressure on a GPU** (`levels`). There each dispatch costs microseconds, whatever it does. At 32³ a step has 6
+//!   dispatches instead of 22: `obstacles`, `predict`, `correct` and one cycle of multigrid. `smooth_level` damps the
+//!   rough errors in tiles of 8³ cells in workgroup memory, and gives what is left to a grid of 16³. `coarse_solve`
+//!   solves that in one workgroup. `smooth_project` interpolates the correction, damps the errors that this causes, and
+//!   projects. A smoothing is three Jacobi steps with the damping of a Chebyshev polynomial, and needs no dispatch per
+//!   step: a workgroup also computes the four cells around its tile. Responses of coarse faces are sums of fine ones,
+//!   and the interpolation is weighted by responses, so that no correction crosses a closed face. Finer grids have more
+//!   levels: 40³ to 64³ need 8 dispatches, 72³ to 96³ 10. A fresh start has three cycles. This leaves
+//!   0.3 to 0.4 % of relative divergence.
 //! - **Effect on hair.** `simulate::forces` adds the drag of single hairs ([`drag`]) in the air of the cells with hair:
 //!   hair receives the momentum that the air has lost. The outer hair thus shields the inner, and the head its lee,
 //!   through the fluid alone.
@@ -40,11 +52,11 @@
 //!
 //! **Why textures?** A software driver fetches a texel of four values in half the time of one value from a buffer, and
 //! filters eight texels in less time than two buffer reads. With buffers a step took five times as long. The cost is
-//! half precision of velocities (0.1 %, and 0.05 % of relative divergence).
+//! half precision of velocities (0.1 %, and 0.05 % of relative divergence). The levels of a GPU are in buffers.
 //!
-//! **Why not multigrid?** Started from the last step's pressure, eight sweeps are enough at 32³; from 64³ on multigrid
-//! would be cheaper. In a scalar model of the solve, one correction on a grid of 8³ left as much divergence after six
-//! sweeps as the decreasing over-relaxation leaves without it; one on 16³ left half.
+//! **Why not multigrid on a software driver?** Started from the last step's pressure, eight sweeps are enough at 32³;
+//! from 64³ on multigrid would be cheaper. In a scalar model of the solve, one correction on a grid of 8³ left as much
+//! divergence after six sweeps as the decreasing over-relaxation leaves without it; one on 16³ left half.
 //!
 //! **Cost.** CPU time at 32³ on a software driver, in 8 m/s around long hair, measured with two steps of the air per
 //! step: `relax` 22 ms with twelve sweeps, 11 with six; `correct` 11, `predict` 6, `project` 5, `gather` 1.5, and
@@ -68,9 +80,11 @@
 //! confinement; velocities relative to the mean wind, for precision; heat.
 
 pub mod air;
+mod blocks;
 pub mod drag;
 mod grids;
 pub mod gusts;
+mod levels;
 pub mod params;
 mod pipelines;
 

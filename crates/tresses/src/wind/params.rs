@@ -166,6 +166,28 @@ pub(crate) struct HalfSweep {
     pub relaxation: f32,
 }
 
+/// Uniforms of a multigrid kernel: the level that it processes, and what it does there. Flags are 0 or 1.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct AirLevel {
+    /// Cells along an axis.
+    pub cells: u32,
+    /// Cells along an axis that have a pressure. The finest level's last cells are outside.
+    pub inside: u32,
+    /// Cells along an axis of the next coarser level.
+    pub coarse: u32,
+    /// Reads the equations from the faces, and stores them.
+    pub gathers: u32,
+    /// Starts from the old pressures instead of 0.
+    pub keeps: u32,
+    /// Adds the pressures of the next coarser level.
+    pub corrects: u32,
+    /// Writes the equations of the next coarser level.
+    pub restricts: u32,
+    /// Unused.
+    pub _pad: u32,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
