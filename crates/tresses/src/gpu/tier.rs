@@ -7,8 +7,8 @@ pub struct Tier {
     pub timestamps: bool,
     /// Largest number of samples per pixel of the HDR target: 1, 4, 8 or 16.
     pub max_samples: u32,
-    /// Whether the adapter is a software driver that runs on the CPU. Hair is then simulated in private memory instead
-    /// of workgroup memory.
+    /// Whether the adapter is a software driver that runs on the CPU. It has kernels of its own: guides are solved in
+    /// private memory instead of workgroup memory, the wind's pressure by block sweeps instead of multigrid.
     pub software: bool,
 }
 

@@ -221,21 +221,26 @@ fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
     a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
 }
 
-/// Returns contexts with the kernels for this device and with those for GPUs.
+/// Returns contexts with the kernels for software drivers and with those for GPUs.
 fn tiers() -> Option<[Context; 2]> {
-    let own = context()?.clone();
-    let tier = Tier { software: false, ..own.tier() };
-    Some([own.clone(), own.with_tier(tier)])
+    let own = context()?;
+    Some([true, false].map(|software| own.clone().with_tier(Tier { software, ..own.tier() })))
 }
 
-/// Compares the kernels of both tiers after 4 steps, for each number of vertices with its tolerance, meters.
+/// Factor of the tolerances on a GPU, whose compiler may contract the two kernels differently. Not measured yet.
+const GPU_TOLERANCE: f32 = 10.0;
+
+/// Compares the kernels of both tiers after 4 steps, for each number of vertices with its tolerance on software
+/// drivers, meters.
 fn agree(twist: f32, cases: &[(usize, f32)]) {
     let Some(tiers) = tiers() else { return };
+    let is_software = context().is_some_and(|context| context.tier().software);
+    let factor = if is_software { 1.0 } else { GPU_TOLERANCE };
     let params = SimulationParams { twist, ..SimulationParams::default() };
     for (n, tolerance) in cases {
         let [a, b] = tiers.each_ref().map(|context| moved(context, *n, 4, &params, None));
         println!("{n} vertices, twist {twist}: differ by {} m after 4 steps", apart(&a, &b));
-        assert!(apart(&a, &b) < *tolerance, "{n}: {}", apart(&a, &b));
+        assert!(apart(&a, &b) < factor * tolerance, "{n}: {}", apart(&a, &b));
     }
 }
 

@@ -124,7 +124,7 @@ fn rest_shape_is_reproduced_within_a_tenth_of_a_millimeter() {
 #[test]
 fn kernels_of_both_tiers_store_the_same_vertices() {
     let Some(context) = common::context() else { return };
-    let gpu = context.clone().with_tier(Tier { software: false, ..context.tier() });
+    let tiers = [true, false].map(|software| context.clone().with_tier(Tier { software, ..context.tier() }));
     // Strands and vertices that fill a workgroup and a part, and others.
     for (count, vertices) in [(64, 16), (100, 16), (70, 17), (3, 8), (65, 2)] {
         let strands = common::hanging(count, vertices, 0.2);
@@ -132,7 +132,7 @@ fn kernels_of_both_tiers_store_the_same_vertices() {
         let groom = bind(&strands, &options).unwrap();
         let moved: Vec<_> = groom.guides.positions.iter().map(|p| *p + Vec3::Z * (0.3 * p.y).sin()).collect();
         let [own, other] =
-            [context, &gpu].map(|context| draw(context, &groom, &moved, &moved, 1.0, Pose::IDENTITY));
+            tiers.each_ref().map(|context| draw(context, &groom, &moved, &moved, 1.0, Pose::IDENTITY));
         assert_eq!(own.len(), groom.strands.len() * groom.strands.vertex_count as usize);
         assert!(own == other, "{count} strands of {vertices} vertices");
         assert!(own.iter().all(|vertex| vertex.position != Vec3::ZERO || vertex.tangent != 0));

@@ -208,7 +208,14 @@ impl Pipelines {
         span: ListSpan,
         [segments, bins]: [usize; 2],
     ) {
-        round.run(pass, &self.scatter, &lists.groups.scatter, (span, segments));
+        let first = matches!(span, ListSpan::Front) && round.number == 0;
+        if first {
+            // The first round always has work if there is any.
+            let workgroups = threads(lists.grid.points);
+            self.scatter.record(pass, &lists.groups.scatter, &[round.offset(span)], workgroups);
+        } else {
+            round.run(pass, &self.scatter, &lists.groups.scatter, (span, segments));
+        }
         round.run(pass, &self.sort, &lists.groups.sort, (span, bins));
         round.run(pass, &self.merge, &lists.groups.merge, (span, bins));
     }

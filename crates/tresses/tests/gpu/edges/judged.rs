@@ -29,6 +29,9 @@ const GRAY: f32 = 128.0 / 255.0;
 /// wide, many of them gather in one part of a pixel.
 const SUMS: [f64; 2] = [0.03, 0.015];
 
+/// Factor of all these on a GPU, which may place samples differently. Not measured yet.
+const GPU_TOLERANCE: f64 = 1.5;
+
 /// A linear image over gray, and its sum of alpha in pixels.
 struct GrayImage {
     pixels: Vec<[f32; 3]>,
@@ -112,9 +115,11 @@ fn judge(context: &Context, name: &str, groom: &Groom, radii: &[f32]) {
             100.0 * area,
             100.0 * lit
         );
-        let most = FLIP[usize::from(radii < 2.0)];
-        assert!(picture < most, "{name} from {radii} radii: {picture}");
-        assert!(area.abs() < SUMS[0] && lit.abs() < SUMS[1], "{name} from {radii} radii: {area} {lit}");
+        let factor = if context.tier().software { 1.0 } else { GPU_TOLERANCE };
+        let max_flip = factor * FLIP[usize::from(radii < 2.0)];
+        let [max_area, max_light] = SUMS.map(|sum| factor * sum);
+        assert!(picture < max_flip, "{name} from {radii} radii: {picture}");
+        assert!(area.abs() < max_area && lit.abs() < max_light, "{name} from {radii} radii: {area} {lit}");
     }
     // The error of the reference itself against four times its samples, and the FLIP of a single sample.
     let reference = shown(context, MASK_4, &hair, radii[0], FINER);
