@@ -86,7 +86,11 @@ fn one(draft: &mut Draft, gpu: &Gpu, case: &FrameCase) -> Result<()> {
     let motion = Motion::named(MOTION).context("a built-in motion")?;
     let flight = in_flight::run(&mut scene, &motion, &camera, case.counts)?;
     let title = format!("{}, two frames in flight, {} frames", case.name, flight.frames);
-    let frame = [("from frame to frame", flight.frame), ("recording and submission", flight.recording)];
+    let mut frame =
+        vec![("from frame to frame", flight.frame), ("recording and submission", flight.recording)];
+    if !flight.stages.is_empty() {
+        frame.insert(0, ("first pass to last", flight.span));
+    }
     add_times(draft, &title, (&flight.stages, flight.gpu), &frame);
     draft.keep();
     let sitting = Sitting { frames: case.single_frames, clock: wall, bar: &ProgressBar::hidden() };
@@ -149,6 +153,7 @@ mod tests {
             frames: 9,
             stages: vec![StageTime { name: "draw".into(), time: gpu }],
             gpu,
+            span: gpu,
             frame,
             recording: time(1.0, 1.0),
             untimed: 0,

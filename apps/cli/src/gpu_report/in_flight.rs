@@ -41,6 +41,8 @@ pub struct FlightTimes {
     pub stages: Vec<StageTime>,
     /// Sum of the stages of a frame, milliseconds.
     pub gpu: Summary,
+    /// From the beginning of a frame's first pass to the end of its last by timestamps, milliseconds.
+    pub span: Summary,
     /// Time from frame to frame, milliseconds.
     pub frame: Summary,
     /// Recording and submission on this thread, milliseconds.
@@ -61,7 +63,7 @@ pub fn run(
     let mut timings = (tier.timestamps && !tier.software).then(|| Timings::new(&context));
     let (mut submitted, mut pending) = (VecDeque::new(), VecDeque::new());
     let (mut walls, mut recordings, mut untimed) = (Vec::new(), Vec::new(), 0);
-    let (mut stages, mut sums) = (StageSamples::default(), Vec::new());
+    let mut times = GpuTimes::default();
     let pivot = scene.character.neck();
     scene.watch(camera);
     scene.reset(&motion.gesture(0.0, pivot))?;
@@ -79,7 +81,7 @@ pub fn run(
             let wait = wgpu::PollType::Wait { submission_index: submitted.pop_front(), timeout: None };
             context.device().poll(wait).context("the GPU was lost")?;
         }
-        collect(&mut pending, &mut stages, &mut sums)?;
+        times.collect(&mut pending)?;
         let recorded = Instant::now();
         let gesture = motion.gesture(f64::from(frame + 1) / FPS, pivot);
         let mut encoder = context.device().create_command_encoder(&Default::default());
@@ -101,26 +103,36 @@ pub fn run(
         frame += 1;
     }
     context.device().poll(wgpu::PollType::wait_indefinitely()).context("the GPU was lost")?;
-    collect(&mut pending, &mut stages, &mut sums)?;
+    times.collect(&mut pending)?;
     Ok(FlightTimes {
         frames: walls.len(),
-        gpu: Summary::of(sums),
-        stages: stages.summarize(),
+        gpu: Summary::of(times.sums),
+        span: Summary::of(times.spans),
+        stages: times.stages.summarize(),
         frame: Summary::of(walls),
         recording: Summary::of(recordings),
         untimed,
     })
 }
 
-/// Adds the times that have arrived to `stages`, and the sum of each frame to `sums`.
-fn collect(
-    pending: &mut VecDeque<PendingTimings>,
-    stages: &mut StageSamples,
-    sums: &mut Vec<f64>,
-) -> Result<()> {
-    while let Some(times) = pending.front_mut().and_then(PendingTimings::take) {
-        pending.pop_front();
-        sums.push(stages.add(times?));
+/// Times by timestamps.
+#[derive(Default)]
+struct GpuTimes {
+    stages: StageSamples,
+    /// Sum of the stages of each frame.
+    sums: Vec<f64>,
+    spans: Vec<f64>,
+}
+
+impl GpuTimes {
+    /// Adds the times that have arrived.
+    fn collect(&mut self, pending: &mut VecDeque<PendingTimings>) -> Result<()> {
+        while let Some(first) = pending.front_mut() {
+            let Some(times) = first.take() else { break };
+            self.sums.push(self.stages.add(times?));
+            self.spans.extend(first.span());
+            pending.pop_front();
+        }
+        Ok(())
     }
-    Ok(())
 }

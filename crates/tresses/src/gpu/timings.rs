@@ -193,7 +193,7 @@ impl Timings {
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
     pub async fn read(&mut self, context: &Context) -> Result<Vec<(&'static str, f64)>> {
-        let PendingTimings { source } = self.start_read(context);
+        let PendingTimings { source, .. } = self.start_read(context);
         match source {
             RowSource::Ticks { ticks, names, period } => Ok(rows(&ticks.wait().await?, &names, period)),
             RowSource::Known(known) => known.unwrap_or_else(|| Ok(Vec::new())),
@@ -220,7 +220,7 @@ impl Timings {
             })),
             Source::Parts(_) => RowSource::Known(None),
         };
-        PendingTimings { source }
+        PendingTimings { source, span: None }
     }
 }
 
@@ -228,6 +228,8 @@ impl Timings {
 #[derive(Debug)]
 pub struct PendingTimings {
     source: RowSource,
+    /// See [`span`](Self::span).
+    span: Option<f64>,
 }
 
 #[derive(Debug)]
@@ -246,11 +248,26 @@ impl PendingTimings {
         match &mut self.source {
             RowSource::Ticks { ticks, names, period } => {
                 let ticks = ticks.take()?;
+                self.span = ticks.as_ref().ok().and_then(|ticks| span(ticks, *period));
                 Some(ticks.map(|ticks| rows(&ticks, names, *period)))
             }
             RowSource::Known(known) => known.take(),
         }
     }
+
+    /// Milliseconds from the beginning of the frame's first timed pass to the end of its last, with the copies, fills
+    /// and gaps between passes. `None` before the times were [taken](Self::take), and without timestamps.
+    pub fn span(&self) -> Option<f64> {
+        self.span
+    }
+}
+
+/// Returns the milliseconds from the first tick to the last, which are in pairs.
+fn span(ticks: &[u8], period: f32) -> Option<f64> {
+    let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(ticks);
+    let first = ticks.iter().step_by(2).min()?;
+    let last = ticks.iter().skip(1).step_by(2).max()?;
+    Some(last.saturating_sub(*first) as f64 * f64::from(period) * 1e-6)
 }
 
 /// Sums ticks of `period` nanoseconds per name.
@@ -268,5 +285,20 @@ fn add(rows: &mut Vec<(&'static str, f64)>, name: &'static str, ms: f64) {
     match rows.iter_mut().find(|(known, _)| *known == name) {
         Some((_, sum)) => *sum += ms,
         None => rows.push((name, ms)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_sum_passes_and_the_span_includes_gaps() {
+        // Two passes of `a` with one of `b` between them, in ticks of half a microsecond.
+        let ticks: [u64; 6] = [1_000, 3_000, 4_000, 8_000, 9_000, 10_000];
+        let ticks = bytemuck::cast_slice(&ticks);
+        assert_eq!(rows(ticks, &["a", "b", "a"], 500.0), [("a", 1.5), ("b", 2.0)]);
+        assert_eq!(span(ticks, 500.0), Some(4.5));
+        assert_eq!(span(&[], 500.0), None);
     }
 }

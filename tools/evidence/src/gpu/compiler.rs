@@ -109,9 +109,9 @@ fn command(driver: &Driver, name: &str) -> Result<Option<Command>> {
     let folder = env::var_os("TRESSES_GPU_COMPILERS").map_or_else(|| FOLDER.into(), PathBuf::from);
     let file = folder.join(format!("{}.json", driver.file));
     let shim = folder.join(format!("lib/lib{}_noop_drm_shim.so", driver.shim));
-    let chosen_radv = driver.maker == "amd" && env::var_os("TRESSES_RADV").is_some();
+    let has_own_radv = driver.maker == "amd" && env::var_os("TRESSES_RADV").is_some();
     let mut command;
-    if !chosen_radv && file.is_file() && shim.is_file() {
+    if !has_own_radv && file.is_file() && shim.is_file() {
         // The drivers bring their own C library, with whose loader the program has to start.
         let folder = std::path::absolute(folder)?;
         command = Command::new(folder.join("ld.so"));
