@@ -161,7 +161,8 @@ fn play(
     meter: &Meter,
 ) -> Result<Vec<StageCounts>> {
     let motion = Motion::named(motion).context("a built-in motion")?;
-    scene.reset(&motion.gesture(0.0, scene.character.neck()))?;
+    let start = motion.gesture(0.0, scene.character.neck());
+    scene.reset(&start)?;
     let context = scene.gpu.context.clone();
     let mut counts = Vec::new();
     for frame in 0..=frames {
