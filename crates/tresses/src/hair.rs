@@ -182,7 +182,7 @@ impl Hair {
     fn bind_guides(&mut self) -> Result<()> {
         let (context, guides) = (&self.asset.context, &self.guides);
         self.volume.bind(guides);
-        self.effects.bind(context, guides, &self.volume, self.air.as_ref())?;
+        self.effects.bind(context, guides, &self.volume, self.air.as_ref());
         let ties = self.simulation.ties().map(|ties| ties.asset.clone());
         self.simulation = Simulation::new(context, guides);
         self.simulation.tie(context, guides, ties.as_ref())?;
@@ -268,7 +268,7 @@ impl Hair {
     /// Sets the level of detail of the next frames, as returned by [`Lod::detail`](crate::lod::Lod::detail).
     pub fn set_detail(&mut self, detail: Detail) {
         self.sleep.out_of_view = false;
-        self.lod.set(&self.asset.context, &mut self.strands, detail);
+        self.lod.set(&mut self.strands, detail);
     }
 
     /// Resizes the strand buffers to what the level of detail draws. Must run before a frame records anything that

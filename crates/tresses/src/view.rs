@@ -5,7 +5,7 @@ use crate::{
     Context, Result,
     camera::{Camera, CameraUniform, ToneMap},
     draw::{self, Targets, targets::PICTURE_FORMAT},
-    gpu::{BindBuffer, bindings},
+    gpu::{BindBuffer, Uniform},
     light::{
         self, FrameLight, HairSet, HairShading, HairView, Lights, Part, ShadingSubset, Shadows, Sphere, Zone,
         Zones,
@@ -72,6 +72,9 @@ impl ViewOptions {
     }
 }
 
+/// Vertices of a groom, and the light that shades it.
+type ShadingKey = (wgpu::Buffer, Uniform);
+
 /// GPU resources of one view: camera, lighting, render targets, and the shaded colors of each groom that it sees.
 /// Record it once per submission.
 #[derive(Debug)]
@@ -79,14 +82,14 @@ pub struct View {
     context: Context,
     pub(crate) draw: Arc<draw::Pipelines>,
     options: ViewOptions,
-    camera: wgpu::Buffer,
+    camera: Uniform,
     /// Lighting of the view.
     pub light: light::LightState,
     targets: Targets,
     present: present::PresentState,
     zones: Zones,
-    /// Keyed by the groom's strands and the light that shades them.
-    shaded: Mutex<Vec<([wgpu::Buffer; 2], Arc<HairShading>)>>,
+    /// Shaded colors of each groom.
+    shaded: Mutex<Vec<(ShadingKey, Arc<HairShading>)>>,
 }
 
 impl View {
@@ -97,7 +100,7 @@ impl View {
     /// As [`Targets::new`].
     pub fn new(context: &Context, options: &ViewOptions, size: [u32; 2], ssaa: u32) -> Result<Self> {
         let targets = Targets::new(context, size, options.renderer, ssaa)?;
-        let camera = bindings::uniform_buffer(&context.device, "camera", size_of::<CameraUniform>());
+        let camera = context.device.uniform(size_of::<CameraUniform>());
         Ok(Self {
             light: light(context, options, &camera),
             present: present::PresentState::new(context, &targets, options.renderer, options.output),
@@ -164,7 +167,7 @@ impl View {
         (background, tone): (&Background, &ToneMap),
     ) -> Result<()> {
         let present = present::PresentState::new(&self.context, &self.targets, self.options.renderer, format);
-        present.prepare(&self.context, background, tone, &self.targets);
+        present.prepare(background, tone, &self.targets);
         present.record(&mut self.context.commands(encoder), &self.targets, output)
     }
 
@@ -192,7 +195,7 @@ impl View {
     /// per-pixel shading.
     pub fn shaded(&self, hair: &HairSet) -> Option<wgpu::Buffer> {
         let shaded = self.lock();
-        shaded.iter().find(|(of, _)| of[0] == *hair.strands.vertices).map(|(_, shaded)| shaded.colors.clone())
+        shaded.iter().find(|(of, _)| of.0 == *hair.strands.vertices).map(|(_, shaded)| shaded.colors.clone())
     }
 
     /// Returns a shader for selected segments of `hair`: those whose bit is set in `visible`, indexed by their first
@@ -201,8 +204,8 @@ impl View {
     /// # Errors
     /// [`crate::Error::Limit`].
     pub fn shading_subset(&self, hair: &HairSet, visible: &wgpu::Buffer) -> Result<ShadingSubset> {
-        let of = [&*hair.strands.vertices, &self.light.lights];
-        let shaded = self.lock().iter().find(|(known, _)| known.each_ref() == of).map(|(_, s)| s.clone());
+        let of = (&*hair.strands.vertices, &self.light.lights);
+        let shaded = self.lock().iter().find(|(known, _)| (&known.0, &known.1) == of).map(|(_, s)| s.clone());
         let shaded = match shaded {
             Some(shaded) => shaded,
             None => self.hair_shadings(&[hair], &[&self.light], ShadingRate::PerVertex)?.remove(0),
@@ -261,7 +264,7 @@ impl View {
         self.lock().iter().map(|(_, shaded)| shaded.bytes()).sum()
     }
 
-    fn lock(&self) -> MutexGuard<'_, Vec<([wgpu::Buffer; 2], Arc<HairShading>)>> {
+    fn lock(&self) -> MutexGuard<'_, Vec<(ShadingKey, Arc<HairShading>)>> {
         // The list stays consistent if a holder panics.
         self.shaded.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -287,7 +290,7 @@ impl View {
         let mut known = self.lock();
         let mut before = std::mem::take(&mut *known);
         let shadings = hair.iter().zip(lights).map(|(set, light)| {
-            let of = [(*set.strands.vertices).clone(), light.lights.clone()];
+            let of = ((*set.strands.vertices).clone(), light.lights.clone());
             // The same hair may be listed twice.
             let again = || known.iter().find(|(known, _)| *known == of).map(|(_, shaded)| shaded.clone());
             let kept = before.iter().position(|(other, _)| *other == of).map(|i| before.swap_remove(i).1);
@@ -309,18 +312,18 @@ impl View {
         parts: &[Part<'_>],
     ) -> Vec<FrameLight> {
         let camera = picture.camera.uniform(self.targets.samples, self.targets.ssaa);
-        self.context.queue.write_buffer(&self.camera, 0, bytemuck::bytes_of(&camera));
-        self.present.prepare(&self.context, &picture.background, &picture.tone, &self.targets);
+        self.camera.write(0, bytemuck::bytes_of(&camera));
+        self.present.prepare(&picture.background, &picture.tone, &self.targets);
         let renderer = self.options.renderer;
         let mut first = 0;
         for hair_view in hair {
-            hair_view.shaded.prepare(&self.context, hair_view.hair, renderer.shading(), first);
+            hair_view.shaded.prepare(hair_view.hair, renderer.shading(), first);
             first += hair_view.hair.strands.count;
         }
         let lit = |part: &Part<'_>| {
             let lights = (&picture.lights, &picture.shadows, &part.focus);
             let hair = Part::select(&part.hair, hair);
-            let mut lit = part.light.prepare(&self.context, lights, renderer, &hair, part.number);
+            let mut lit = part.light.prepare(lights, renderer, &hair, part.number);
             lit.ambient &= part.updates_ambient;
             lit
         };
@@ -328,7 +331,7 @@ impl View {
     }
 
     /// Returns the camera's uniform buffer.
-    pub(crate) fn eye(&self) -> &wgpu::Buffer {
+    pub(crate) fn eye(&self) -> &Uniform {
         &self.camera
     }
 
@@ -338,7 +341,7 @@ impl View {
     }
 }
 
-fn light(context: &Context, options: &ViewOptions, camera: &wgpu::Buffer) -> light::LightState {
+fn light(context: &Context, options: &ViewOptions, camera: &Uniform) -> light::LightState {
     let sizes = [options.shadow_resolution, options.ambient_resolution];
     light::LightState::new(context, sizes, options.strand_map_resolution, camera)
 }

@@ -74,7 +74,7 @@ pub(crate) use pipelines::{AvoidGroups, Pipelines};
 use crate::{
     Context, Result,
     collide::ColliderSet,
-    gpu::bindings,
+    gpu::Uniform,
     groom::{BoundStrands, SdfGrid},
     strands::{GuideBuffers, PackedRest, StrandBuffers, buffers::storage},
 };
@@ -141,7 +141,7 @@ pub struct Avoidance {
     /// Options; [`AvoidOptions::check`] has the valid ranges.
     pub options: AvoidOptions,
     clearance: f32,
-    params: wgpu::Buffer,
+    params: Uniform,
     states: wgpu::Buffer,
     groups: AvoidGroups,
 }
@@ -161,7 +161,7 @@ impl Avoidance {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
         options.check()?;
-        let params = bindings::uniform_buffer(device, "avoid", size_of::<AvoidParams>());
+        let params = device.uniform(size_of::<AvoidParams>());
         let states = states(context, strands)?;
         let groups = pipelines.bind(&params, &states, guides, strands);
         Ok(Self { pipelines, options, clearance, params, states, groups })
@@ -191,13 +191,11 @@ impl Avoidance {
     /// on always start anew.
     pub(crate) fn prepare(
         &self,
-        context: &Context,
         (guides, strands): (&GuideBuffers, &StrandBuffers),
         dt: f32,
         forget: bool,
         fresh: u32,
     ) {
-        let Context { queue, .. } = context;
         let [rise, fall, shift] = if forget { [2.0, 2.0, f32::MAX] } else { self.options.per_frame(dt) };
         let params = AvoidParams {
             clearance: self.clearance,
@@ -216,7 +214,7 @@ impl Avoidance {
             stride: strands.drawn.stride,
             _pad: [0; 2],
         };
-        queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
+        self.params.write(0, bytemuck::bytes_of(&params));
     }
 
     /// Records the stage.

@@ -5,7 +5,7 @@ use crate::{
     Context,
     collide::{self, ColliderSet},
     constants::{HIT_RUN, STRAND_WORKGROUP},
-    gpu::{BindBuffer, Kernel, PipelineSet},
+    gpu::{BindBuffer, Kernel, PipelineSet, Uniform},
     shaders::kernels::avoid as kernels,
     strands::{GuideBuffers, StrandBuffers},
 };
@@ -47,7 +47,7 @@ impl Pipelines {
     /// [`super::StrandState`] per strand.
     pub fn bind(
         &self,
-        params: &wgpu::Buffer,
+        params: &Uniform,
         states: &wgpu::Buffer,
         guides: &GuideBuffers,
         strands: &StrandBuffers,

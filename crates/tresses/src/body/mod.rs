@@ -16,7 +16,7 @@ use wgpu::util::DeviceExt;
 
 use crate::{
     Camera, Context, Pose, Result,
-    gpu::{Binding, bindings, readback},
+    gpu::{Binding, Uniform, bindings, readback},
     groom::{TriMesh, mesh::MeshLevel},
 };
 
@@ -69,7 +69,7 @@ pub struct Body {
     vertices: wgpu::Buffer,
     /// Two corners of the bounding box of the mesh, meters; see [`set_bounds`](Self::set_bounds).
     bounds: [Vec3; 2],
-    uniform: wgpu::Buffer,
+    uniform: Uniform,
     group: wgpu::BindGroup,
     pub(crate) surface_group: wgpu::BindGroup,
     /// Material textures, if the body [is painted](Self::paint).
@@ -166,8 +166,12 @@ impl Body {
 
     fn of(asset: Arc<BodyAsset>, vertices: wgpu::Buffer) -> Self {
         let device = &asset.context.device;
-        let uniform = bindings::uniform_buffer(device, "body", size_of::<BodyUniform>());
-        let buffers = [&uniform, &vertices, &asset.surface.buffer].map(wgpu::Buffer::as_entire_binding);
+        let uniform = device.uniform(size_of::<BodyUniform>());
+        let buffers = [
+            uniform.as_entire_binding(),
+            vertices.as_entire_binding(),
+            asset.surface.buffer.as_entire_binding(),
+        ];
         Self {
             material: BodyMaterial::default(),
             pose: Pose::IDENTITY,
@@ -241,7 +245,7 @@ impl Body {
     /// Uploads pose and material for the frame being recorded.
     pub(crate) fn prepare(&self) {
         let uniform = self.material.uniform(&self.pose, self.asset.surface.outward);
-        self.asset.context.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        self.uniform.write(0, bytemuck::bytes_of(&uniform));
     }
 
     /// Replaces positions, normals and colors of the vertices from `mesh`, for frames submitted from now on. The

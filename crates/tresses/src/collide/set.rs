@@ -13,11 +13,10 @@ use crate::{
     body::Skin,
     clock::{MAX_STEPS, MAX_SUBSTEPS, Mode},
     constants::MAX_COLLIDERS,
-    gpu::{Binding, Device, bindings},
+    gpu::{Binding, Device, Uniform, bindings},
     groom::TriMesh,
     math::map::Map,
     space::Passage,
-    strands::buffers::storage,
 };
 use bytemuck::Zeroable;
 use glam::{UVec3, Vec3};
@@ -141,8 +140,8 @@ pub struct ColliderSet {
     /// Bounding spheres in the colliders' frames.
     spheres: Vec<(Vec3, f32)>,
     count: u32,
-    table: wgpu::Buffer,
-    poses: wgpu::Buffer,
+    table: Uniform,
+    poses: Uniform,
     group: wgpu::BindGroup,
 }
 
@@ -162,8 +161,8 @@ impl ColliderSet {
     /// The errors of [`replace`](Self::replace).
     pub(crate) fn of(fields: &FieldAtlas, colliders: &[Collider]) -> Result<Self> {
         let device = &fields.context.device;
-        let table = bindings::uniform_buffer(device, "collider shapes", size_of::<ShapeTable>());
-        let poses = storage::<PoseData>(device, "collider places", pose_capacity(1))?;
+        let table = device.uniform(size_of::<ShapeTable>());
+        let poses = device.storage_uniform(pose_bytes(1));
         let mut set = Self {
             group: bind(device, &table, &poses, &fields.atlas, &deform::none(device)),
             fields: fields.clone(),
@@ -218,17 +217,16 @@ impl ColliderSet {
             }
             spheres.push((data.center, data.bound));
         }
-        let capacity = pose_capacity(count);
-        if self.poses.size() < capacity * size_of::<PoseData>() as u64 {
-            self.poses = storage::<PoseData>(&self.fields.context.device, "collider places", capacity)?;
+        let bytes = pose_bytes(count);
+        if self.poses.size() < bytes as u64 {
+            self.poses = self.fields.context.device.storage_uniform(bytes);
             self.regroup();
         }
-        let queue = &self.fields.context.queue;
-        queue.write_buffer(&self.table, 0, bytemuck::bytes_of(&*table));
+        self.table.write(0, bytemuck::bytes_of(&*table));
         let count_at = std::mem::offset_of!(PoseHead, count) as u64;
         let side = self.deformation.as_ref().map_or(0, Deformation::side);
         // The count and `side`, which follows it.
-        queue.write_buffer(&self.poses, count_at, bytemuck::bytes_of(&[count as u32, side]));
+        self.poses.write(count_at, bytemuck::bytes_of(&[count as u32, side]));
         self.track.replace(anchors);
         self.list = colliders.to_vec();
         (self.spheres, self.count) = (spheres, count as u32);
@@ -314,8 +312,7 @@ impl ColliderSet {
         self.track.advance(self.fields.has_head, poses, &frame, journey)?;
         let jumps = steps.iter().any(|step| step.mode != Mode::Step);
         let deformation = self.deformation.as_mut();
-        let side =
-            deformation.map(|it| it.prepare(&self.fields.context, !steps.is_empty(), jumps)).transpose()?;
+        let side = deformation.map(|it| it.prepare(!steps.is_empty(), jumps)).transpose()?;
         if self.count == 0 {
             return Ok(());
         }
@@ -325,18 +322,14 @@ impl ColliderSet {
         };
         let header = size_of::<PoseHead>() as u64;
         let now = list(&self.track.now);
-        self.fields.context.queue.write_buffer(&self.poses, header, bytemuck::cast_slice(&now));
+        self.poses.write(header, bytemuck::cast_slice(&now));
         if !steps.is_empty() {
             let interval = frame.step / frame.substeps as f32;
             let moments = steps.len() as u32 * frame.substeps;
             let pose_head = PoseHead { interval, moments, count: self.count, side: side.unwrap_or(0) };
-            self.fields.context.queue.write_buffer(&self.poses, 0, bytemuck::bytes_of(&pose_head));
+            self.poses.write(0, bytemuck::bytes_of(&pose_head));
             let at = header + size_of_val(&*now) as u64;
-            self.fields.context.queue.write_buffer(
-                &self.poses,
-                at,
-                bytemuck::cast_slice(&list(&self.track.moments)),
-            );
+            self.poses.write(at, bytemuck::cast_slice(&list(&self.track.moments)));
         }
         Ok(())
     }
@@ -392,16 +385,16 @@ fn total(has_head: bool, colliders: &[Collider]) -> Result<usize> {
     Ok(count)
 }
 
-/// Returns the size of the places buffer for `count` colliders, in places: all moments of a frame, drawing time, and
-/// the header.
-fn pose_capacity(count: usize) -> u64 {
-    u64::from(MAX_STEPS * MAX_SUBSTEPS + 2) * count.max(1) as u64 + 1
+/// Returns the bytes of the places of `count` colliders: those at all moments of a frame and at drawing time, and the
+/// header.
+fn pose_bytes(count: usize) -> usize {
+    ((MAX_STEPS * MAX_SUBSTEPS + 2) as usize * count.max(1) + 1) * size_of::<PoseData>()
 }
 
 fn bind(
     device: &Device,
-    table: &wgpu::Buffer,
-    poses: &wgpu::Buffer,
+    table: &Uniform,
+    poses: &Uniform,
     atlas: &Atlas,
     deformed: &wgpu::Texture,
 ) -> wgpu::BindGroup {

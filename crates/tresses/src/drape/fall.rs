@@ -75,7 +75,7 @@ pub async fn drape(
         let (substeps, length) = (params.substep_count, params.step);
         let moments = Moments { steps: &steps, substeps, step: length, head: still, alpha: 1.0 };
         colliders.advance(&ColliderPoses::default(), &moments)?;
-        simulation.run(context, &mut pass, &params, &steps, &colliders)?;
+        simulation.run(&mut pass, &params, &steps, &colliders)?;
         pass.end()?;
         queue.submit([encoder.finish()]);
         left -= now;

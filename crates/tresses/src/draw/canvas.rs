@@ -4,7 +4,7 @@ use crate::{
     Camera,
     body::Body,
     gpu::{
-        Commands, Device, RenderPass,
+        Commands, Device, RenderPass, Uniform,
         commands::{colored, deep},
     },
     light::{self, Part, Sphere},
@@ -61,7 +61,7 @@ pub(crate) struct Canvas<'a, 'c> {
     /// Bind group 0 of the view.
     pub frame: &'a wgpu::BindGroup,
     /// Camera uniform of the view.
-    pub eye: &'a wgpu::Buffer,
+    pub eye: &'a Uniform,
     /// Light state of the view.
     pub light: &'a light::LightState,
     /// Grooms and bodies of each light zone; a single part without zones.

@@ -42,6 +42,8 @@ pub struct Commands<'a> {
 pub struct ComputePass<'a> {
     /// `None` only while it is dropped.
     pass: Option<wgpu::ComputePass<'static>>,
+    /// Context whose uniforms the end of the pass flushes, unless passes merge.
+    flushes: Option<&'a Context>,
     counts: &'a mut Counts,
     error: &'a mut Option<Error>,
     groups: Groups,
@@ -53,6 +55,8 @@ pub struct ComputePass<'a> {
 #[derive(Debug)]
 pub(crate) struct RenderPass<'a> {
     pass: wgpu::RenderPass<'a>,
+    /// As for a [`ComputePass`].
+    flushes: Option<&'a Context>,
     counts: &'a mut Counts,
     groups: Groups,
 }
@@ -84,10 +88,11 @@ impl<'a> Commands<'a> {
     }
 
     /// Sets whether a compute pass continues the previous one, and returns the former value. Merging must be off when
-    /// the encoder is finished.
+    /// the encoder is finished: uniforms are flushed when it ends.
     pub(crate) fn set_merging(&mut self, merges: bool) -> bool {
         if !merges {
             self.open = None;
+            self.context.flush_uniforms();
         }
         std::mem::replace(&mut self.merges, merges)
     }
@@ -105,6 +110,7 @@ impl<'a> Commands<'a> {
         });
         ComputePass {
             pass: Some(pass),
+            flushes: (!self.merges).then_some(&self.context),
             counts: &mut self.counts,
             error: &mut self.error,
             groups: Groups::new(self.context.device.probe.as_ref()),
@@ -132,6 +138,7 @@ impl<'a> Commands<'a> {
         self.transfers = false;
         RenderPass {
             pass: self.encoder.begin_render_pass(&descriptor),
+            flushes: (!self.merges).then_some(&self.context),
             counts: &mut self.counts,
             groups: Groups::new(self.context.device.probe.as_ref()),
         }
@@ -155,9 +162,9 @@ impl<'a> Commands<'a> {
         self.encoder().begin_render_pass(&descriptor);
     }
 
-    /// Copies `size` bytes of a buffer at `at` to the start of another one.
-    pub(crate) fn copy_part(&mut self, from: &wgpu::Buffer, at: u64, to: &wgpu::Buffer, size: u64) {
-        self.encoder().copy_buffer_to_buffer(from, at, to, 0, size);
+    /// Copies the first `size` bytes of a buffer to the start of another one.
+    pub(crate) fn copy_part(&mut self, from: &wgpu::Buffer, to: &wgpu::Buffer, size: u64) {
+        self.encoder().copy_buffer_to_buffer(from, 0, to, 0, size);
         self.transferred(2 * size);
     }
 
@@ -303,6 +310,17 @@ impl Drop for ComputePass<'_> {
     fn drop(&mut self) {
         if let Some(open) = &mut self.open {
             **open = self.pass.take();
+        }
+        if let Some(context) = self.flushes {
+            context.flush_uniforms();
+        }
+    }
+}
+
+impl Drop for RenderPass<'_> {
+    fn drop(&mut self) {
+        if let Some(context) = self.flushes {
+            context.flush_uniforms();
         }
     }
 }

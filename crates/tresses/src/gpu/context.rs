@@ -39,7 +39,15 @@ impl Context {
         let is_gpu = !tier.software;
         Self {
             tier,
-            device: Device { device, is_gpu, probe: None, broken: None, rewrite: None, fill: None },
+            device: Device {
+                device,
+                is_gpu,
+                probe: None,
+                broken: None,
+                rewrite: None,
+                fill: None,
+                uniforms: Arc::default(),
+            },
             queue: Queue { queue: queue.clone(), probe: None },
             sets: Arc::default(),
         }

@@ -1,6 +1,6 @@
 //! The handles of device and queue that kernels and pipelines use.
 
-use super::probe::Probe;
+use super::{probe::Probe, uniforms::UniformHeap};
 use std::{ops::Deref, sync::Arc};
 
 /// A device, and the hooks of tests and tools that change its shaders and the contents of new memory.
@@ -17,6 +17,8 @@ pub(crate) struct Device {
     pub rewrite: Option<fn(&str) -> String>,
     /// Queue that fills new memory with a pattern ([`super::fill`]).
     pub fill: Option<wgpu::Queue>,
+    /// Pages of small values, which all clones of a context share.
+    pub uniforms: Arc<UniformHeap>,
 }
 
 impl Deref for Device {

@@ -19,6 +19,7 @@ pub mod readback;
 mod sets;
 mod tier;
 pub mod timings;
+pub(crate) mod uniforms;
 
 pub(crate) use bindings::{BindBuffer, Bindings, BufferBinding, Opaque, Resource};
 pub use bindings::{Binding, Buffer};
@@ -32,6 +33,7 @@ pub use kernel::Kernel;
 pub(crate) use sets::PipelineSet;
 pub use tier::Tier;
 pub use timings::{Clock, Timings, wall};
+pub(crate) use uniforms::Uniform;
 
 /// A `u32` that shaders change atomically.
 pub type Atomic = u32;

@@ -161,6 +161,7 @@ impl Timings {
             Source::Parts(parts) => return parts.push(recorded),
             Source::Timestamps { .. } => return,
         };
+        context.flush_uniforms();
         queue.submit([recorded]);
         if let Err(error) = device.poll(wgpu::PollType::wait_indefinitely()) {
             *lost = Some(Error::Gpu { stage: name, problem: error.to_string() });

@@ -1,7 +1,7 @@
 //! Forces on the guides besides their own physics.
 
 use crate::{
-    Context, Result,
+    Context,
     simulate::{Forces, Grab, Links},
     strands::GuideBuffers,
     volume::Volume,
@@ -30,17 +30,9 @@ impl Effects {
     }
 
     /// Binds other buffers of the same guides.
-    pub fn bind(
-        &mut self,
-        context: &Context,
-        guides: &GuideBuffers,
-        volume: &Volume,
-        air: Option<&Air>,
-    ) -> Result<()> {
+    pub fn bind(&mut self, context: &Context, guides: &GuideBuffers, volume: &Volume, air: Option<&Air>) {
         self.forces = Forces::new(context, guides, volume, air);
-        let links = self.links.take().map(|links| Links::new(context, guides, links.asset));
-        self.links = links.transpose()?;
+        self.links = self.links.take().map(|links| Links::new(context, guides, links.asset));
         self.grab.forget_buffers();
-        Ok(())
     }
 }

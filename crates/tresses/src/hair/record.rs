@@ -34,14 +34,7 @@ impl Hair {
         let is_forced = self.prepare_forces(physics, &carrier_frame);
         let is_held = self.prepare_grab(frame, physics, &carrier_frame, is_forced)?;
         self.prepare_roots(frame, &carrier_frame.steps);
-        let context = &self.asset.context;
-        self.simulation.prepare_in(
-            context,
-            physics,
-            &carrier_frame.steps,
-            &carrier_frame.fields,
-            is_forced || is_held,
-        )
+        self.simulation.prepare_in(physics, &carrier_frame.steps, &carrier_frame.fields, is_forced || is_held)
     }
 
     /// Whether the frame moves the hair. Hair that comes back into view continues where its head is now.
@@ -71,7 +64,8 @@ impl Hair {
         }
         let distance = (physics.hair_hair.cohesion > 0.0).then_some(physics.hair_hair.cohesion_distance);
         if self.effects.links.as_ref().map(|links| links.asset.distance) != distance {
-            let links = distance.map(|distance| Links::new(context, &self.guides, asset.links(distance)?));
+            let links: Option<Result<_>> =
+                distance.map(|distance| Ok(Links::new(context, &self.guides, asset.links(distance)?)));
             self.effects.links = links.transpose()?;
         }
         let [enough, _] = self.motion_at(self.lod.current());
@@ -100,26 +94,25 @@ impl Hair {
 
     /// Writes the inputs of the grids, links and forces. Returns whether any of them acts.
     fn prepare_forces(&mut self, physics: &SimulationParams, carrier_frame: &CarrierFrame) -> bool {
-        let Self { asset, volume, effects, air, colliders, simulation, .. } = self;
+        let Self { volume, effects, air, colliders, simulation, .. } = self;
         let CarrierFrame { steps, fields, .. } = carrier_frame;
-        let context = &asset.context;
         let mut air = air.as_mut().filter(|_| effects.windy);
         effects.forced = effects.windy
             || physics.hair_hair.mode != HairHairMode::Off
             || effects.links.is_some()
             || simulation.ties().is_some();
         if let Some(links) = &effects.links {
-            links.prepare(context, &physics.hair_hair, physics.step);
+            links.prepare(&physics.hair_hair, physics.step);
         }
         if effects.forced {
             let due = Steps { steps, length: physics.step, substeps: physics.substep_count };
-            volume.prepare(context, &physics.hair_hair, &due, colliders);
-            volume.prepare_others(context, &physics.hair_hair, &due, carrier_frame.displacement());
+            volume.prepare(&physics.hair_hair, &due, colliders);
+            volume.prepare_others(&physics.hair_hair, &due, carrier_frame.displacement());
             if let Some(air) = &mut air {
                 let hair = HairGrid { bias: volume.grid.bias, scale: volume.grid.scale };
-                air.prepare_in(context, &physics.wind, physics.diameter, &due, fields, Some(hair));
+                air.prepare_in(&physics.wind, physics.diameter, &due, fields, Some(hair));
             }
-            effects.forces.prepare(context, physics, air.as_deref(), steps.len());
+            effects.forces.prepare(physics, air.as_deref(), steps.len());
         }
         effects.forced
     }
@@ -147,7 +140,7 @@ impl Hair {
         if let Some(roots) = &mut self.roots {
             let counts = [self.guides.count, self.strands.drawn.count];
             let fresh = steps.first().is_some_and(|step| step.mode == Mode::Reset);
-            roots.prepare(&self.asset.context, (&frame.head, &frame.map_to_drawn()), counts, fresh);
+            roots.prepare((&frame.head, &frame.map_to_drawn()), counts, fresh);
         }
     }
 
@@ -156,7 +149,7 @@ impl Hair {
         self.motion.shifts = shift.is_some();
         let Some(shift) = shift else { return };
         let make = || Shifting::new(&self.asset.context, &self.guides);
-        self.motion.shifting.get_or_insert_with(make).prepare(&self.asset.context, shift);
+        self.motion.shifting.get_or_insert_with(make).prepare(shift);
         if let Some(air) = &mut self.air {
             air.shift(shift.offset);
         }
@@ -335,11 +328,11 @@ impl Hair {
             &self.motion.head,
             drawn,
         );
-        self.curves.tessellation.prepare(&self.asset.context, &params);
-        self.curves.interpolation.prepare(&self.asset.context, &self.guides, &self.strands);
+        self.curves.tessellation.prepare(&params);
+        self.curves.interpolation.prepare(&self.guides, &self.strands);
         let counts = (&self.guides, &self.strands);
         let fresh = self.lod.begin();
-        self.avoidance.prepare(&self.asset.context, counts, frame.dt, self.motion.has_jumped, fresh);
+        self.avoidance.prepare(counts, frame.dt, self.motion.has_jumped, fresh);
     }
 
     /// Records step `i` of the guides: forces, links and grab, then the step itself.

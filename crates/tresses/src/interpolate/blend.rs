@@ -3,7 +3,7 @@
 use crate::{
     Context,
     constants::STRAND_WORKGROUP,
-    gpu::{BindBuffer, Kernel, PipelineSet, bindings},
+    gpu::{BindBuffer, Kernel, PipelineSet, Uniform},
     shaders::kernels::interpolate as kernels,
     strands::{GuideBuffers, StrandBuffers},
     tessellate::Tessellation,
@@ -65,7 +65,7 @@ impl PipelineSet for Pipelines {
 #[derive(Debug)]
 pub(crate) struct Interpolation {
     pipelines: Arc<Pipelines>,
-    params: wgpu::Buffer,
+    params: Uniform,
     group: wgpu::BindGroup,
     follows: bool,
 }
@@ -75,7 +75,7 @@ impl Interpolation {
     pub fn new(context: &Context, guides: &GuideBuffers, strands: &StrandBuffers) -> Self {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
-        let params = bindings::uniform_buffer(device, "interpolate", size_of::<InterpolateParams>());
+        let params = device.uniform(size_of::<InterpolateParams>());
         let group = pipelines.blend.bind(&kernels::Blend {
             params: params.entire(),
             samples: guides.samples.entire(),
@@ -97,7 +97,7 @@ impl Interpolation {
     ) -> Self {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
-        let params = bindings::uniform_buffer(device, "interpolate", size_of::<InterpolateParams>());
+        let params = device.uniform(size_of::<InterpolateParams>());
         let group = pipelines.follow.bind(&kernels::Follow {
             walk: tessellation.walk(guides),
             drawn: params.entire(),
@@ -109,10 +109,9 @@ impl Interpolation {
     }
 
     /// Writes the uniform of a frame for the drawn part of `strands`.
-    pub fn prepare(&self, context: &Context, guides: &GuideBuffers, strands: &StrandBuffers) {
-        let Context { queue, .. } = context;
+    pub fn prepare(&self, guides: &GuideBuffers, strands: &StrandBuffers) {
         let params = InterpolateParams::new(guides, strands);
-        queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
+        self.params.write(0, bytemuck::bytes_of(&params));
     }
 
     /// Records the stage: one thread per strand.

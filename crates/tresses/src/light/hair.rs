@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     Context, Error, Result,
-    gpu::{BindBuffer, bindings},
+    gpu::{BindBuffer, Uniform},
     renderer::{ShadingModel, ShadingRate},
     shaders::kernels::light as kernels,
     strands::{DrawCount, StrandBuffers, StrandCapacity, buffers::storage, indices::Chunks},
@@ -251,7 +251,7 @@ pub(crate) fn sample_bytes([count, vertex_count]: [u32; 2]) -> u64 {
 /// Data of a groom per view: its shaded colors, which depend on camera and lights.
 #[derive(Debug)]
 pub(crate) struct HairShading {
-    pub(crate) uniform: wgpu::Buffer,
+    pub(crate) uniform: Uniform,
     pub(crate) colors: wgpu::Buffer,
     pub(super) shading_samples: wgpu::Buffer,
     /// Capacity of `knots`.
@@ -272,7 +272,7 @@ impl HairShading {
     pub(crate) fn new(
         context: &Context,
         state: &LightState,
-        camera: &wgpu::Buffer,
+        camera: &Uniform,
         hair: &HairSet,
         rate: ShadingRate,
     ) -> Result<Self> {
@@ -286,8 +286,13 @@ impl HairShading {
             hair.asset.scratch.clone().filter(|scratch| scratch.size() >= sample_capacity * SAMPLE_BYTES);
         let own = || storage::<u8>(device, "knots of strands", sample_capacity * SAMPLE_BYTES);
         let (lent, shading_samples) = (lent.is_some(), lent.map_or_else(own, Ok)?);
-        let uniform = bindings::uniform_buffer(device, "hair", size_of::<HairUniform>());
-        let own = [&uniform, vertices, strands, &colors].map(wgpu::Buffer::as_entire_binding);
+        let uniform = device.uniform(size_of::<HairUniform>());
+        let own = [
+            uniform.as_entire_binding(),
+            vertices.as_entire_binding(),
+            strands.as_entire_binding(),
+            colors.as_entire_binding(),
+        ];
         let [hair_maps, hair_blocks] = state.maps.hair_buffers().map(BindBuffer::entire);
         let (lights, cells) = (state.lights.entire(), state.ambient.sums().entire());
         let (set, vertices) = (uniform.entire(), vertices.entire());
@@ -321,17 +326,16 @@ impl HairShading {
 
     /// Uploads the uniform of `hair` for the current frame. The earlier grooms of the frame have `first` strands in
     /// total.
-    pub(crate) fn prepare(&self, context: &Context, hair: &HairSet, model: ShadingModel, first: u32) {
-        let Context { queue, .. } = context;
+    pub(crate) fn prepare(&self, hair: &HairSet, model: ShadingModel, first: u32) {
         let spans = [hair.splat, hair.spans];
         let uniform = hair.material.uniform(model, &hair.drawn, hair.strands.vertex_count, spans, first);
-        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        self.uniform.write(0, bytemuck::bytes_of(&uniform));
     }
 
     /// Bindings of the kernels that shade the samples of `hair` whose indices are in `selected`.
     pub(super) fn sample_bindings<'a>(
         &'a self,
-        camera: &'a wgpu::Buffer,
+        camera: &'a Uniform,
         hair: &'a HairSet,
         selected: &'a wgpu::Buffer,
     ) -> kernels::ShadingSample<'a> {
@@ -350,8 +354,8 @@ impl HairShading {
 }
 
 fn bind_samples<'a>(
-    camera: &'a wgpu::Buffer,
-    uniform: &'a wgpu::Buffer,
+    camera: &'a Uniform,
+    uniform: &'a Uniform,
     strands: &'a StrandBuffers,
     colors: &'a wgpu::Buffer,
     shading_samples: &'a wgpu::Buffer,

@@ -5,7 +5,7 @@ use super::{
     Sphere, shadow,
 };
 use crate::{
-    Context, Result,
+    Result,
     body::Body,
     constants::STRAND_WORKGROUP,
     gpu::{Commands, Kernel},
@@ -19,13 +19,11 @@ impl LightState {
     /// and attenuate the light of meshes in the grid. Shading of hair uses the groom's own material.
     pub(crate) fn prepare(
         &self,
-        context: &Context,
         (lights, shadows, focus): (&Lights, &Shadows, &Sphere),
         renderer: Renderer,
         hair: &[HairView<'_>],
         zone: u32,
     ) -> FrameLight {
-        let Context { queue, .. } = context;
         let resolution = self.maps.resolution;
         // Without shadows the maps stay empty. Empty deep opacity maps are the cheapest to read.
         let method = if shadows.is_enabled { renderer.shadows() } else { ShadowMethod::DeepOpacity };
@@ -45,8 +43,8 @@ impl LightState {
             uniform.passes += weight * passes;
             uniform.forward += weight * forward;
         }
-        queue.write_buffer(&self.lights, 0, bytemuck::bytes_of(&uniform));
-        self.maps.prepare(context, &uniform);
+        self.lights.write(0, bytemuck::bytes_of(&uniform));
+        self.maps.prepare(&uniform);
         let texel = 2.0 * focus.radius.max(1e-6) / resolution as f32;
         FrameLight {
             casts: shadows.is_enabled,

@@ -4,7 +4,7 @@ use super::{HairSet, HairShading, LightState, Pipelines};
 use crate::{
     Context, Result,
     constants::STRAND_WORKGROUP,
-    gpu::{BindBuffer, BufferBinding, Commands, Kernel},
+    gpu::{BindBuffer, BufferBinding, Commands, Kernel, Uniform},
     shaders::kernels::light as kernels,
     strands::buffers::storage_with,
 };
@@ -32,7 +32,7 @@ impl ShadingSubset {
     /// [`crate::Error::Limit`] when the adapter cannot hold the lists.
     pub(crate) fn new(
         context: &Context,
-        (state, camera): (&LightState, &wgpu::Buffer),
+        (state, camera): (&LightState, &Uniform),
         hair: &HairSet,
         shaded: &HairShading,
         visible: BufferBinding<'_, u32>,

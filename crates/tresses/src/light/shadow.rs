@@ -16,7 +16,7 @@ use crate::{
     Context, Result,
     body::Body,
     constants::{COVER_STRANDS, COVER_STRIDE, DEEP_LAYERS, SHADOW_BLOCK as BLOCK, STRAND_WORKGROUP},
-    gpu::{BindBuffer, Commands, Kernel, commands::deep, pipeline::DEPTH_FORMAT},
+    gpu::{BindBuffer, Commands, Kernel, Uniform, commands::deep, pipeline::DEPTH_FORMAT},
     renderer::ShadowMethod,
     shaders::kernels::light as kernels,
     strands::DrawCount,
@@ -52,7 +52,7 @@ pub(crate) struct ShadowMaps {
     /// Depth of meshes, all layers.
     view: wgpu::TextureView,
     layers: Vec<wgpu::TextureView>,
-    matrices: wgpu::Buffer,
+    matrices: Uniform,
     layer_group: wgpu::BindGroup,
     /// Per map: heights of the hair nearest the light, or a deep opacity map.
     hair: wgpu::Buffer,
@@ -95,20 +95,11 @@ impl ShadowMaps {
                 })
             })
             .collect();
-        let matrices = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("shadow matrices"),
-            size: STEP * SHADOW_MAPS as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let matrices = device.uniform(STEP as usize * SHADOW_MAPS);
         let layer_group = device.group(
             "shadow layer",
             &pipelines.layer,
-            &[wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                buffer: &matrices,
-                offset: 0,
-                size: wgpu::BufferSize::new(size_of::<Mat4>() as u64),
-            })],
+            &[matrices.part::<Mat4>(0, Some(size_of::<Mat4>() as u64)).into()],
         );
         let buffer = |label, words| {
             device.create_buffer(&wgpu::BufferDescriptor {
@@ -159,7 +150,7 @@ impl ShadowMaps {
     }
 
     /// Bindings of kernels that read the maps of `lights`.
-    pub(super) fn transmittance<'a>(&'a self, lights: &'a wgpu::Buffer) -> kernels::Transmittance<'a> {
+    pub(super) fn transmittance<'a>(&'a self, lights: &'a Uniform) -> kernels::Transmittance<'a> {
         kernels::Transmittance {
             lights: lights.entire(),
             body_maps: &self.view,
@@ -169,13 +160,12 @@ impl ShadowMaps {
         }
     }
 
-    pub(super) fn prepare(&self, context: &Context, lights: &LightsUniform) {
-        // One write: each costs a staging buffer, a barrier and a copy.
+    pub(super) fn prepare(&self, lights: &LightsUniform) {
         let mut slots = [[0; STEP as usize]; SHADOW_MAPS];
         for (slot, matrix) in slots.iter_mut().zip(&lights.shadow) {
             slot[..size_of_val(matrix)].copy_from_slice(bytemuck::bytes_of(matrix));
         }
-        context.queue.write_buffer(&self.matrices, 0, slots.as_flattened());
+        self.matrices.write(0, slots.as_flattened());
     }
 
     /// Records the maps described by `lit`.

@@ -1,7 +1,7 @@
 //! Light of one view: its shadow maps, its ambient light, and the uniform of both.
 
 use super::{Ambient, Pipelines, ShadowMaps, lights::LightsUniform};
-use crate::{Context, gpu::bindings::uniform_buffer, shaders::kernels::light as kernels};
+use crate::{Context, gpu::Uniform, shaders::kernels::light as kernels};
 use std::sync::Arc;
 
 /// Light of a view on the GPU.
@@ -10,23 +10,23 @@ pub struct LightState {
     pub(super) pipelines: Arc<Pipelines>,
     pub(super) maps: ShadowMaps,
     pub(super) ambient: Ambient,
-    pub(crate) lights: wgpu::Buffer,
+    pub(crate) lights: Uniform,
     /// `@group(0)` of everything that is drawn in this light.
     pub(crate) frame: wgpu::BindGroup,
 }
 
 impl LightState {
     /// Creates maps of `resolution`² texels, a grid of `cells` cells per edge and, unless `strand_map` is 0, strand
-    /// maps of `strand_map`² texels. `camera` is the uniform buffer of the camera.
-    pub fn new(
+    /// maps of `strand_map`² texels. `camera` is the uniform of the camera.
+    pub(crate) fn new(
         context: &Context,
         [resolution, cells]: [u32; 2],
         strand_map: u32,
-        camera: &wgpu::Buffer,
+        camera: &Uniform,
     ) -> Self {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
-        let lights = uniform_buffer(device, "lights", size_of::<LightsUniform>());
+        let lights = device.uniform(size_of::<LightsUniform>());
         let maps = ShadowMaps::new(context, &pipelines, [resolution, strand_map]);
         let ambient = Ambient::new(context, &pipelines.ambient, cells, maps.transmittance(&lights));
         let frame = frame_resources(camera, &lights, &maps, &ambient);
@@ -72,8 +72,8 @@ impl LightState {
 
 /// Returns what everything binds that is drawn in light, in the order of [`super::frame::FRAME`].
 fn frame_resources<'a>(
-    camera: &'a wgpu::Buffer,
-    lights: &'a wgpu::Buffer,
+    camera: &'a Uniform,
+    lights: &'a Uniform,
     maps: &'a ShadowMaps,
     ambient: &'a Ambient,
 ) -> [wgpu::BindingResource<'a>; 8] {

@@ -32,7 +32,7 @@
 //! clamp to its tile; separate buffers cost a few bind groups.
 
 use super::{LightState, Sphere};
-use crate::{Camera, Context, Pose};
+use crate::{Camera, Context, Pose, gpu::Uniform};
 use std::sync::{
     Arc, Mutex, MutexGuard, PoisonError,
     atomic::{AtomicU32, Ordering},
@@ -171,9 +171,9 @@ pub(crate) struct Zones {
 }
 
 impl Zones {
-    /// Replaces the zones. `camera` is the uniform buffer of the camera. A zone keeps the light of the old zone with
+    /// Replaces the zones. `camera` is the uniform of the camera. A zone keeps the light of the old zone with
     /// the same index if its resolution fits.
-    pub fn set(&mut self, context: &Context, camera: &wgpu::Buffer, zones: &[Zone]) {
+    pub fn set(&mut self, context: &Context, camera: &Uniform, zones: &[Zone]) {
         let mut old_zones: Vec<_> = std::mem::take(&mut self.list).into_iter().map(Some).collect();
         let mut cached = |(i, zone): (usize, &Zone)| {
             let sizes = [zone.resolution, zone.cells];

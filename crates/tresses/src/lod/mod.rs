@@ -338,7 +338,7 @@ impl Lod {
         let infos = &infos[..infos.len().min(buffers.capacity.strands as usize)];
         context.queue.write_buffer(&buffers.strands, 0, bytemuck::cast_slice(infos));
         self.widths = WidthStage::new(context, &self.tables.lods, buffers);
-        self.widths.prepare(context, &self.detail);
+        self.widths.prepare(&self.detail);
         self.stale = true;
     }
 
@@ -449,10 +449,10 @@ impl Lod {
     }
 
     /// Sets the level of detail and updates what `buffers` draws.
-    pub(crate) fn set(&mut self, context: &Context, buffers: &mut StrandBuffers, detail: Detail) {
+    pub(crate) fn set(&mut self, buffers: &mut StrandBuffers, detail: Detail) {
         self.stale |= self.detail != detail;
         self.detail = detail;
-        self.widths.prepare(context, &detail);
+        self.widths.prepare(&detail);
         buffers.drawn = self.drawn();
     }
 

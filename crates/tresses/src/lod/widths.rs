@@ -4,7 +4,7 @@ use super::{Detail, maps::PaintedFactors};
 use crate::{
     Context, Result,
     constants::STRAND_WORKGROUP,
-    gpu::{BindBuffer, Kernel, PipelineSet, bindings},
+    gpu::{BindBuffer, Kernel, PipelineSet, Uniform},
     shaders::kernels::lod as kernels,
     strands::{Strand, StrandBuffers, buffers::filled},
 };
@@ -85,7 +85,7 @@ pub(super) fn upload(
 #[derive(Debug)]
 pub(super) struct WidthStage {
     pipeline: Arc<Widths>,
-    params: wgpu::Buffer,
+    params: Uniform,
     group: wgpu::BindGroup,
 }
 
@@ -93,7 +93,7 @@ impl WidthStage {
     /// Binds `lods` to the strands of one head.
     pub fn new(context: &Context, lods: &wgpu::Buffer, buffers: &StrandBuffers) -> Self {
         let pipeline: Arc<Widths> = context.pipelines();
-        let params = bindings::uniform_buffer(&context.device, "widths", size_of::<WidthParams>());
+        let params = context.device.uniform(size_of::<WidthParams>());
         let group = pipeline.0.bind(&kernels::Widths {
             params: params.entire(),
             lods: lods.entire(),
@@ -103,8 +103,7 @@ impl WidthStage {
         Self { pipeline, params, group }
     }
 
-    pub fn prepare(&self, context: &Context, detail: &Detail) {
-        let Context { queue, .. } = context;
+    pub fn prepare(&self, detail: &Detail) {
         let params = WidthParams {
             weights: Vec4::from_array(detail.levels),
             fraction: detail.fraction,
@@ -112,7 +111,7 @@ impl WidthStage {
             count: detail.strand_count,
             _pad: 0,
         };
-        queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
+        self.params.write(0, bytemuck::bytes_of(&params));
     }
 
     pub fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, count: u32) {

@@ -31,7 +31,7 @@ use crate::{
     camera::ToneMap,
     draw::Targets,
     gpu::{
-        Binding, Commands, Device, PipelineSet,
+        Binding, Commands, Device, PipelineSet, Uniform,
         bindings::layout,
         commands::cleared,
         pipeline::{PipelineCache, Recipe},
@@ -132,7 +132,7 @@ impl Pipelines {
 #[derive(Debug)]
 pub(crate) struct PresentState {
     pipelines: Arc<Pipelines>,
-    uniform: wgpu::Buffer,
+    uniform: Uniform,
     group: wgpu::BindGroup,
     renderer: Renderer,
     format: wgpu::TextureFormat,
@@ -148,7 +148,7 @@ impl PresentState {
     ) -> Self {
         let Context { device, .. } = context;
         use wgpu::BindingResource::TextureView;
-        let uniform = crate::gpu::bindings::uniform_buffer(device, "present", size_of::<PresentUniform>());
+        let uniform = device.uniform(size_of::<PresentUniform>());
         let footprint = (targets.samples > 1 && !renderer.is_tiles()).then(|| {
             let footprint = match renderer {
                 Renderer::Masks(_) => Footprint::disc(targets.samples),
@@ -187,14 +187,7 @@ impl PresentState {
     }
 
     /// Writes the uniform of a frame.
-    pub(crate) fn prepare(
-        &self,
-        context: &Context,
-        background: &Background,
-        tone: &ToneMap,
-        targets: &Targets,
-    ) {
-        let Context { queue, .. } = context;
+    pub(crate) fn prepare(&self, background: &Background, tone: &ToneMap, targets: &Targets) {
         let uniform = PresentUniform {
             background: *background,
             size: Vec2::new(targets.size[0] as f32, targets.size[1] as f32),
@@ -203,7 +196,7 @@ impl PresentState {
             desaturation: tone.desaturation,
             _pad: [0; 3],
         };
-        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        self.uniform.write(0, bytemuck::bytes_of(&uniform));
     }
 
     /// Presents `targets`, which must be those that the state was created for, into `output`.

@@ -35,7 +35,7 @@ use crate::{
     Context, Pose, Result,
     body::{Skin, Words},
     constants::{GUIDE_WORKGROUP, STRAND_WORKGROUP},
-    gpu::{BindBuffer, Kernel, PipelineSet, bindings},
+    gpu::{BindBuffer, Kernel, PipelineSet, Uniform},
     groom::TriMesh,
     math::map::Map,
     shaders::kernels::roots as kernels,
@@ -142,7 +142,7 @@ pub struct Roots {
     /// Pose of the surface: from the space of its vertices to the space of the frame's poses, by default the world. The
     /// caller sets it before each frame.
     pub pose: Pose,
-    uniform: wgpu::Buffer,
+    uniform: Uniform,
     guides: wgpu::BindGroup,
     strands: Option<wgpu::BindGroup>,
     pub(crate) asset: RootAsset,
@@ -165,7 +165,7 @@ impl Roots {
         let pipelines: Arc<Pipelines> = context.pipelines();
         // One element more than there are guides: kernels read the buffer only if it is longer than their number.
         guides.roots = buffer(device, "guide roots", u64::from(guides.count) + 1)?;
-        let uniform = bindings::uniform_buffer(device, "roots", size_of::<RootsUniform>());
+        let uniform = device.uniform(size_of::<RootsUniform>());
         let surface = kernels::Surface {
             u: uniform.entire(),
             positions: skin.positions.0.entire(),
@@ -196,14 +196,7 @@ impl Roots {
 
     /// Writes the uniforms of a frame with the head at `head`; `to_drawn_space` maps to the space in which hair is
     /// drawn. With `fresh`, and in the first frame, hair starts at the current skin without any previous motion.
-    pub(crate) fn prepare(
-        &mut self,
-        context: &Context,
-        (head, to_drawn_space): (&Pose, &Map),
-        counts: [u32; 2],
-        fresh: bool,
-    ) {
-        let Context { queue, .. } = context;
+    pub(crate) fn prepare(&mut self, (head, to_drawn_space): (&Pose, &Map), counts: [u32; 2], fresh: bool) {
         let to_head = head.inverse().after(&self.pose);
         let to_world = to_drawn_space.pose(&self.pose);
         let [position, normal] = self.words;
@@ -222,7 +215,7 @@ impl Roots {
             ..Default::default()
         };
         self.fresh = false;
-        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        self.uniform.write(0, bytemuck::bytes_of(&uniform));
     }
 
     /// Records the stage.

@@ -5,7 +5,7 @@ use crate::{
     Context,
     clock::MAX_STEPS,
     constants::VOLUME_WORKGROUP,
-    gpu::{BindBuffer, Kernel, bindings},
+    gpu::{BindBuffer, Kernel, Uniform, bindings},
     shaders::kernels::simulate as kernels,
     strands::GuideBuffers,
     volume::{self, Volume},
@@ -37,7 +37,7 @@ impl ForcesKernel {
 pub(crate) struct Forces {
     pipelines: Arc<super::Pipelines>,
     group: wgpu::BindGroup,
-    air: wgpu::Buffer,
+    air: Uniform,
     threads: u32,
 }
 
@@ -67,8 +67,7 @@ impl Forces {
     pub fn new(context: &Context, guides: &GuideBuffers, volume: &Volume, air: Option<&Air>) -> Self {
         let Context { device, .. } = context;
         let pipelines: Arc<super::Pipelines> = context.pipelines();
-        let uniforms =
-            bindings::uniform_buffer(device, "forces of the air", (AIR_STRIDE * MAX_STEPS) as usize);
+        let uniforms = device.storage_uniform((AIR_STRIDE * MAX_STEPS) as usize);
         // Calm air samples nothing, so any texture will do.
         let [texture, among] = air.map_or([&volume.hair; 2], |air| [&air.view, &air.among]);
         let group = pipelines.forces.kernel.bind(&kernels::Forces {
@@ -87,14 +86,7 @@ impl Forces {
     }
 
     /// Writes the air uniforms of a frame of `count` steps.
-    pub(crate) fn prepare(
-        &self,
-        context: &Context,
-        physics: &SimulationParams,
-        air: Option<&Air>,
-        count: usize,
-    ) {
-        let Context { queue, .. } = context;
+    pub(crate) fn prepare(&self, physics: &SimulationParams, air: Option<&Air>, count: usize) {
         let mut bytes = vec![0u8; AIR_STRIDE as usize * count.min(MAX_STEPS as usize)];
         if let Some(air) = air {
             for (i, slot) in bytes.chunks_mut(AIR_STRIDE as usize).enumerate() {
@@ -110,7 +102,7 @@ impl Forces {
                 slot[..size_of::<AirUniforms>()].copy_from_slice(bytemuck::bytes_of(&uniforms));
             }
         }
-        queue.write_buffer(&self.air, 0, &bytes);
+        self.air.write(0, &bytes);
     }
 
     /// Bytes of GPU memory.

@@ -140,7 +140,7 @@ impl Setup {
         let head = steps.last().unwrap().end;
         let moments = Moments { steps, substeps, step, head, alpha: 1.0 };
         self.colliders.advance(poses, &moments).unwrap();
-        let count = self.simulation.prepare(context, params, steps, forced).unwrap();
+        let count = self.simulation.prepare(params, steps, forced).unwrap();
         crate::gpu::compute(context, |pass| {
             (0..count).for_each(|i| self.simulation.record(pass, &self.colliders, i));
         });

@@ -32,12 +32,9 @@ use super::Pipelines;
 use crate::{
     Context, Result,
     constants::{LINKS, VOLUME_WORKGROUP},
-    gpu::BindBuffer,
+    gpu::{BindBuffer, Uniform},
     shaders::kernels::simulate as kernels,
-    strands::{
-        GuideBuffers, RestGuides,
-        buffers::{filled, storage},
-    },
+    strands::{GuideBuffers, RestGuides, buffers::filled},
     volume::HairHair,
 };
 use bytemuck::{Pod, Zeroable};
@@ -122,7 +119,7 @@ impl LinkAsset {
 #[derive(Debug)]
 pub(crate) struct Links {
     pipelines: Arc<Pipelines>,
-    uniforms: wgpu::Buffer,
+    uniforms: Uniform,
     pub(crate) asset: LinkAsset,
     group: wgpu::BindGroup,
     vertices: u32,
@@ -130,12 +127,9 @@ pub(crate) struct Links {
 
 impl Links {
     /// Binds the links to the guides of one head.
-    ///
-    /// # Errors
-    /// [`Error::Limit`](crate::Error::Limit).
-    pub(crate) fn new(context: &Context, guides: &GuideBuffers, asset: LinkAsset) -> Result<Self> {
+    pub(crate) fn new(context: &Context, guides: &GuideBuffers, asset: LinkAsset) -> Self {
         let pipelines: Arc<Pipelines> = context.pipelines();
-        let uniforms = storage::<LinkUniforms>(&context.device, "link uniforms", 1)?;
+        let uniforms = context.device.storage_uniform(size_of::<LinkUniforms>());
         let group = pipelines.links.bind(&kernels::Links {
             u: uniforms.entire(),
             list: asset.links.entire(),
@@ -143,14 +137,13 @@ impl Links {
             velocity: guides.velocity.entire(),
             forces: guides.forces.entire(),
         });
-        Ok(Self { pipelines, uniforms, asset, group, vertices: guides.count * guides.vertex_count })
+        Self { pipelines, uniforms, asset, group, vertices: guides.count * guides.vertex_count }
     }
 
     /// Writes the uniforms of a frame with steps of `span` seconds.
-    pub fn prepare(&self, context: &Context, params: &HairHair, span: f32) {
-        let Context { queue, .. } = context;
+    pub fn prepare(&self, params: &HairHair, span: f32) {
         let uniforms = LinkUniforms::new(self.vertices, params, span);
-        queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&uniforms));
+        self.uniforms.write(0, bytemuck::bytes_of(&uniforms));
     }
 
     /// Records one step, after [`Forces`](super::Forces) has written its forces.
@@ -338,8 +331,8 @@ mod tests {
         let params =
             HairHair { cohesion: 900.0, cohesion_limit: 5.0, cohesion_distance: 0.02, ..Default::default() };
         let asset = LinkAsset::new(context, &rest, params.cohesion_distance).unwrap();
-        let links = Links::new(context, &guides, asset).unwrap();
-        links.prepare(context, &params, 1.0 / 60.0);
+        let links = Links::new(context, &guides, asset);
+        links.prepare(&params, 1.0 / 60.0);
         crate::gpu::compute(context, |pass| links.record(pass));
         let found: Vec<GuideForce> = readback::buffer(context, &guides.forces).unwrap();
         let list = find(&rest, params.cohesion_distance);

@@ -95,7 +95,7 @@ use crate::{
     clock::{MAX_STEPS, Mode, Step},
     collide::ColliderSet,
     constants::{STEP_BYTES, TWIST_BYTES},
-    gpu::{BindBuffer, BufferBinding, Kernel, Opaque, PipelineSet},
+    gpu::{BindBuffer, BufferBinding, Kernel, Opaque, PipelineSet, Uniform},
     shaders::kernels::simulate as kernels,
     space::Field,
     strands::GuideBuffers,
@@ -160,7 +160,7 @@ impl PipelineSet for Pipelines {
 #[derive(Debug)]
 pub(crate) struct Simulation {
     pipelines: Arc<Pipelines>,
-    uniforms: wgpu::Buffer,
+    uniforms: Uniform,
     group: wgpu::BindGroup,
     guide_count: u32,
     vertex_count: u32,
@@ -180,12 +180,7 @@ impl Simulation {
     pub fn new(context: &Context, guides: &GuideBuffers) -> Self {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
-        let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("simulation steps"),
-            size: STRIDE * u64::from(MAX_STEPS),
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let uniforms = device.storage_uniform((STRIDE * u64::from(MAX_STEPS)) as usize);
         let strand = kernels::Strand {
             given: slot(&uniforms),
             info: guides.info.entire(),
@@ -267,13 +262,12 @@ impl Simulation {
     /// The errors of [`SimulationParams::check`].
     pub fn run(
         &mut self,
-        context: &Context,
         pass: &mut crate::gpu::ComputePass<'_>,
         params: &SimulationParams,
         steps: &[Step],
         colliders: &ColliderSet,
     ) -> Result<()> {
-        let count = self.prepare(context, params, steps, false)?;
+        let count = self.prepare(params, steps, false)?;
         for i in 0..count {
             self.record(pass, colliders, i);
         }
@@ -290,27 +284,19 @@ impl Simulation {
     ///
     /// # Errors
     /// The errors of [`run`](Self::run).
-    pub fn prepare(
-        &mut self,
-        context: &Context,
-        params: &SimulationParams,
-        steps: &[Step],
-        forced: bool,
-    ) -> Result<u32> {
-        self.prepare_in(context, params, steps, &[], forced)
+    pub fn prepare(&mut self, params: &SimulationParams, steps: &[Step], forced: bool) -> Result<u32> {
+        self.prepare_in(params, steps, &[], forced)
     }
 
     /// Like [`prepare`](Self::prepare), for hair simulated in a carrier frame: `fields` holds gravity and air for each
     /// step.
     pub(crate) fn prepare_in(
         &mut self,
-        context: &Context,
         params: &SimulationParams,
         steps: &[Step],
         fields: &[Field],
         forced: bool,
     ) -> Result<u32> {
-        let Context { queue, .. } = context;
         params.check()?;
         self.twists.1 = self.twists.0 && params.twist > 0.0;
         let steps = &steps[steps.len().saturating_sub(MAX_STEPS as usize)..];
@@ -339,7 +325,7 @@ impl Simulation {
             }
             slot[..size_of::<StepUniforms>()].copy_from_slice(bytemuck::bytes_of(&uniforms));
         }
-        queue.write_buffer(&self.uniforms, 0, &bytes);
+        self.uniforms.write(0, &bytes);
         Ok(steps.len() as u32)
     }
 
@@ -367,6 +353,6 @@ impl Simulation {
 }
 
 /// Binding of one step's uniforms.
-fn slot(uniforms: &wgpu::Buffer) -> BufferBinding<'_, Opaque> {
+fn slot(uniforms: &Uniform) -> BufferBinding<'_, Opaque> {
     uniforms.part(0, Some(size_of::<StepUniforms>() as u64))
 }

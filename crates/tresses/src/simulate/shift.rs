@@ -4,7 +4,7 @@ use super::Pipelines;
 use crate::{
     Context,
     constants::VOLUME_WORKGROUP,
-    gpu::{BindBuffer, Kernel},
+    gpu::{BindBuffer, Kernel, Uniform},
     shaders::kernels::simulate as kernels,
     space::Shift,
     strands::GuideBuffers,
@@ -36,7 +36,7 @@ pub(super) fn kernel(context: &Context) -> Kernel {
 #[derive(Debug)]
 pub(crate) struct Shifting {
     pipelines: Arc<Pipelines>,
-    uniform: wgpu::Buffer,
+    uniform: Uniform,
     group: wgpu::BindGroup,
     count: u32,
 }
@@ -45,12 +45,7 @@ impl Shifting {
     pub fn new(context: &Context, guides: &GuideBuffers) -> Self {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
-        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("shift"),
-            size: size_of::<ShiftUniform>() as u64,
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let uniform = device.storage_uniform(size_of::<ShiftUniform>());
         let group = pipelines.shift.bind(&kernels::Shift {
             u: uniform.entire(),
             current: guides.current.entire(),
@@ -60,15 +55,14 @@ impl Shifting {
     }
 
     /// Writes the uniform for `shift`.
-    pub fn prepare(&self, context: &Context, shift: &Shift) {
-        let Context { queue, .. } = context;
+    pub fn prepare(&self, shift: &Shift) {
         let uniform = ShiftUniform {
             offset: shift.offset,
             count: self.count,
             velocity: shift.velocity,
             faster: u32::from(shift.velocity != Vec3::ZERO),
         };
-        queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        self.uniform.write(0, bytemuck::bytes_of(&uniform));
     }
 
     /// Records the dispatch.

@@ -99,7 +99,7 @@ fn kernel(context: &Context, false_mass: f32) -> [f32; 3] {
     assert_eq!(simulation.ties().unwrap().report().rings, 1);
     let head = Pose { rotation: Quat::from_rotation_y(0.1), ..Pose::IDENTITY };
     let step = Step { mode: Mode::Step, begin: head, end: head, from: 0.0, to: 1.0 };
-    simulation.prepare(context, &params, &[step], true).unwrap();
+    simulation.prepare(&params, &[step], true).unwrap();
     crate::gpu::compute(context, |pass| simulation.ties().unwrap().record(pass, 0));
     let forces: Vec<GuideForce> = readback::buffer(context, &guides.forces).unwrap();
     let found = TieVertices::of(&hairs, &[band]).unwrap();

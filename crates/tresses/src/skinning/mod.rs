@@ -21,10 +21,10 @@ use crate::{
     Context, Error, Result,
     body::Body,
     constants::STRAND_WORKGROUP,
-    gpu::{BindBuffer, Kernel, PipelineSet},
+    gpu::{BindBuffer, Kernel, PipelineSet, Uniform},
     groom::rig::{Rig, RigPose},
     shaders::kernels::skinning as kernels,
-    strands::buffers::{filled, storage},
+    strands::buffers::filled,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
@@ -133,8 +133,8 @@ impl SkinAsset {
 pub(crate) struct Skinning {
     pipelines: Arc<Pipelines>,
     asset: Arc<SkinAsset>,
-    palette: wgpu::Buffer,
-    shapes: wgpu::Buffer,
+    palette: Uniform,
+    shapes: Uniform,
     group: wgpu::BindGroup,
     /// Current pose.
     pose: RigPose,
@@ -153,8 +153,8 @@ impl Skinning {
     pub(crate) fn of(asset: &Arc<SkinAsset>, body: &Body) -> Result<Self> {
         let SkinAsset { context, buffers: [counts, bound, moves], boxes, max_displacements, .. } = &**asset;
         let pipelines: Arc<Pipelines> = context.pipelines();
-        let palette = storage::<Mat4>(&context.device, "skin palette", boxes.len() as u64)?;
-        let shapes = storage::<f32>(&context.device, "skin shapes", max_displacements.len() as u64)?;
+        let palette = context.device.storage_uniform(size_of::<Mat4>() * boxes.len());
+        let shapes = context.device.storage_uniform(size_of::<f32>() * max_displacements.len());
         let group = pipelines.skin.bind(&kernels::Skin {
             counts: counts.entire(),
             bound: bound.entire(),
@@ -183,9 +183,8 @@ impl Skinning {
         }
         self.due.store(true, Ordering::Relaxed);
         self.pose.clone_from(pose);
-        let queue = &self.asset.context.queue;
-        queue.write_buffer(&self.palette, 0, bytemuck::cast_slice(&pose.palette));
-        queue.write_buffer(&self.shapes, 0, bytemuck::cast_slice(&pose.weights));
+        self.palette.write(0, bytemuck::cast_slice(&pose.palette));
+        self.shapes.write(0, bytemuck::cast_slice(&pose.weights));
         body.set_bounds(self.bounds(pose));
         Ok(true)
     }

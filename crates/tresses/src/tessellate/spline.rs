@@ -3,7 +3,7 @@
 use crate::{
     Context, Pose,
     constants::GUIDE_WORKGROUP,
-    gpu::{BindBuffer, Kernel, PipelineSet, bindings},
+    gpu::{BindBuffer, Kernel, PipelineSet, Uniform},
     groom::curve,
     shaders::kernels::tessellate as kernels,
     strands::GuideBuffers,
@@ -92,7 +92,7 @@ impl PipelineSet for Pipelines {
 #[derive(Debug)]
 pub(crate) struct Tessellation {
     pipelines: Arc<Pipelines>,
-    params: wgpu::Buffer,
+    params: Uniform,
     group: wgpu::BindGroup,
 }
 
@@ -101,7 +101,7 @@ impl Tessellation {
     pub fn new(context: &Context, guides: &GuideBuffers) -> Self {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
-        let params = bindings::uniform_buffer(device, "tessellate", size_of::<TessellateParams>());
+        let params = device.uniform(size_of::<TessellateParams>());
         let bindings = kernels::Spline { walk: walk(&params, guides), samples: guides.samples.entire() };
         Self { group: pipelines.kernel.bind(&bindings), pipelines, params }
     }
@@ -112,9 +112,8 @@ impl Tessellation {
     }
 
     /// Writes the uniform of a frame.
-    pub fn prepare(&self, context: &Context, params: &TessellateParams) {
-        let Context { queue, .. } = context;
-        queue.write_buffer(&self.params, 0, bytemuck::bytes_of(params));
+    pub fn prepare(&self, params: &TessellateParams) {
+        self.params.write(0, bytemuck::bytes_of(params));
     }
 
     /// Records the stage, with one thread per guide. Does nothing if guides have no samples.
@@ -126,7 +125,7 @@ impl Tessellation {
 }
 
 /// Returns the bindings of `walk.wesl`.
-fn walk<'a>(params: &'a wgpu::Buffer, guides: &'a GuideBuffers) -> kernels::Walk<'a> {
+fn walk<'a>(params: &'a Uniform, guides: &'a GuideBuffers) -> kernels::Walk<'a> {
     kernels::Walk {
         params: params.entire(),
         current: guides.current.entire(),

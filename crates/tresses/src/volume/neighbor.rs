@@ -4,14 +4,14 @@ use super::{
     Pipelines,
     params::{VolumeUniforms, offset},
 };
-use crate::Pose;
+use crate::{Pose, gpu::Uniform};
 use glam::Vec3;
 
 /// Another groom that meets this one in this frame.
 #[derive(Debug)]
 pub(super) struct Neighbor {
     pub guides: wgpu::Buffer,
-    pub uniforms: wgpu::Buffer,
+    pub uniforms: Uniform,
     pub splat: wgpu::BindGroup,
     pub base: VolumeUniforms,
     pub transform: Pose,

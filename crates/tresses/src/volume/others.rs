@@ -14,7 +14,7 @@ use super::{
 use crate::{
     Context, Pose,
     clock::{MAX_STEPS, Steps},
-    gpu::{BindBuffer, bindings},
+    gpu::BindBuffer,
     strands::GuideBuffers,
 };
 use glam::Vec3;
@@ -44,7 +44,7 @@ impl Volume {
             if let Some(known) = known {
                 return Neighbor { transform, closing, ..before.swap_remove(known) };
             }
-            let uniforms = bindings::uniform_buffer(device, "volume steps", (STRIDE * MAX_STEPS) as usize);
+            let uniforms = device.uniform((STRIDE * MAX_STEPS) as usize);
             let (rested, cells) = (volume.rested.entire(), self.cells.entire());
             let splat = splat(&self.pipelines, &uniforms, guides, rested, cells);
             let guides = (*guides.current).clone();
@@ -78,14 +78,7 @@ impl Volume {
 
     /// Writes the uniforms of the other grooms for the steps of `frame`. `shift`, meters, was added to all positions of
     /// this hair before these steps.
-    pub(crate) fn prepare_others(
-        &self,
-        context: &Context,
-        params: &HairHair,
-        frame: &Steps<'_>,
-        shift: Vec3,
-    ) {
-        let Context { queue, .. } = context;
+    pub(crate) fn prepare_others(&self, params: &HairHair, frame: &Steps<'_>, shift: Vec3) {
         let own = self.with(params, frame.length);
         let unit_scale = self.shared_units() as f32;
         for neighbor in &self.neighbors {
@@ -109,7 +102,7 @@ impl Volume {
                 let drift = transform.rotation.conjugate() * (step.drift(frame.length) + neighbor.closing);
                 slots.put(i as u32, &base.placed(&head, drift));
             }
-            queue.write_buffer(&neighbor.uniforms, 0, &slots.0);
+            neighbor.uniforms.write(0, &slots.0);
         }
     }
 }

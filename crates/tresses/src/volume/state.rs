@@ -10,7 +10,7 @@ use crate::{
     clock::{MAX_STEPS, Mode, Steps},
     collide::ColliderSet,
     constants::VOLUME_WORKGROUP,
-    gpu::{BindBuffer, BufferBinding, Commands, Opaque, bindings, grid::grid_texture},
+    gpu::{BindBuffer, BufferBinding, Commands, Opaque, Uniform, grid::grid_texture},
     shaders::kernels::volume as kernels,
     strands::{GuideBuffers, RestGuides, buffers::storage},
 };
@@ -66,13 +66,13 @@ pub(crate) struct Volume {
     pub hair: wgpu::TextureView,
     /// Acceleration by the excess density (xyz, m/s², axes of the head), 3-D, rgba16float.
     pub push: wgpu::TextureView,
-    uniforms: wgpu::Buffer,
+    uniforms: Uniform,
     pub(super) cells: wgpu::Buffer,
     /// Whether the cells are in memory that others use between steps.
     lent: bool,
     obstacles: wgpu::Buffer,
     rest: wgpu::Buffer,
-    blur: wgpu::Buffer,
+    blur: Uniform,
     pub(super) rested: wgpu::Buffer,
     /// Other grooms in this grid, and whether they have been set since the last frame began.
     pub(super) neighbors: Vec<Neighbor>,
@@ -165,15 +165,21 @@ impl Volume {
         let pipelines: Arc<Pipelines> = context.pipelines();
         let n = u64::from(asset.grid.resolution).pow(3);
         let vertices = u64::from(guides.count) * u64::from(guides.vertex_count);
-        let uniforms = bindings::uniform_buffer(device, "volume steps", (STRIDE * (MAX_STEPS + 1)) as usize);
-        let blur = bindings::uniform_buffer(device, "volume blur", size_of::<Blur>());
+        let uniforms = device.uniform((STRIDE * (MAX_STEPS + 1)) as usize);
+        let blur = device.uniform(size_of::<Blur>());
         let obstacles = storage::<f32>(device, "volume obstacles", n)?;
         let rest = storage::<f32>(device, "volume rest", n)?;
         let rested = storage::<f32>(device, "volume rested", vertices)?;
         let [(_, hair), (_, push)] = asset.textures.clone();
         let (cells, scratch) = (asset.cells.clone(), asset.scratch.clone());
-        let buffers = [&uniforms, &blur, &cells, &obstacles, &rest, &rested];
-        let groups = Groups::new(&pipelines, guides, buffers, [&hair, &push, &scratch[0], &scratch[1]]);
+        let buffers = [&cells, &obstacles, &rest, &rested];
+        let groups = Groups::new(
+            &pipelines,
+            guides,
+            [&uniforms, &blur],
+            buffers,
+            [&hair, &push, &scratch[0], &scratch[1]],
+        );
         Ok(Self {
             pipelines,
             grid: asset.grid,
@@ -201,15 +207,16 @@ impl Volume {
 
     /// Binds other buffers of the same guides.
     pub(crate) fn bind(&mut self, guides: &GuideBuffers) {
-        let buffers = [&self.uniforms, &self.blur, &self.cells, &self.obstacles, &self.rest, &self.rested];
+        let buffers = [&self.cells, &self.obstacles, &self.rest, &self.rested];
         let views = [&self.hair, &self.push, &self.scratch[0], &self.scratch[1]];
-        self.groups = Groups::new(&self.pipelines, guides, buffers, views);
+        self.groups = Groups::new(&self.pipelines, guides, [&self.uniforms, &self.blur], buffers, views);
     }
 
     /// Bytes of GPU memory of this head alone.
     pub(crate) fn own_bytes(&self) -> u64 {
-        let own = [&self.uniforms, &self.obstacles, &self.rest, &self.blur, &self.rested];
-        own.iter().map(|buffer| buffer.size()).sum()
+        let buffers = [&self.obstacles, &self.rest, &self.rested];
+        let buffers: u64 = buffers.iter().map(|buffer| buffer.size()).sum();
+        self.uniforms.size() + self.blur.size() + buffers
     }
 
     /// Clears cells that others have used since the last step. The caller calls this before a step, outside of passes.
@@ -222,14 +229,7 @@ impl Volume {
 
     /// Writes the uniforms of the steps of `frame`, at most the last [`MAX_STEPS`]. The caller has advanced `colliders`
     /// to the frame.
-    pub fn prepare(
-        &mut self,
-        context: &Context,
-        params: &HairHair,
-        frame: &Steps<'_>,
-        colliders: &ColliderSet,
-    ) {
-        let Context { queue, .. } = context;
+    pub fn prepare(&mut self, params: &HairHair, frame: &Steps<'_>, colliders: &ColliderSet) {
         let (h, steps) = (frame.length, frame.last());
         self.modes = steps.iter().map(|step| step.mode).collect();
         self.obstacle_changes = (0..steps.len())
@@ -241,7 +241,7 @@ impl Volume {
         let variance = self.variance(params);
         self.rest_blur.1 = variance.to_bits();
         if self.written_blur != Some(self.rest_blur.1) {
-            queue.write_buffer(&self.blur, 0, bytemuck::bytes_of(&Blur::new(variance)));
+            self.blur.write(0, bytemuck::bytes_of(&Blur::new(variance)));
             self.written_blur = Some(self.rest_blur.1);
         }
         let mut slots = Slots::new(RESTING + 1);
@@ -253,7 +253,7 @@ impl Volume {
         }
         let resting = base.placed(&Pose::IDENTITY, Vec3::ZERO);
         slots.put(RESTING, &VolumeUniforms { resting: 1, ..resting });
-        queue.write_buffer(&self.uniforms, 0, &slots.0);
+        self.uniforms.write(0, &slots.0);
     }
 
     /// Records step `i` of those written by [`prepare`](Self::prepare).
@@ -351,7 +351,8 @@ impl Groups {
     fn new(
         pipelines: &Pipelines,
         guides: &GuideBuffers,
-        [uniforms, blur, cells, obstacles, rest, rested]: [&wgpu::Buffer; 6],
+        [uniforms, blur]: [&Uniform; 2],
+        [cells, obstacles, rest, rested]: [&wgpu::Buffer; 4],
         [hair, push, first, second]: [&wgpu::TextureView; 4],
     ) -> Self {
         let (g, kernel) = (slot(uniforms), blur.entire());
@@ -380,7 +381,7 @@ impl Groups {
 /// Binds the kernel that adds the hair of `guides` to `cells`.
 pub(super) fn splat(
     pipelines: &Pipelines,
-    uniforms: &wgpu::Buffer,
+    uniforms: &Uniform,
     guides: &GuideBuffers,
     rested: BufferBinding<'_, f32>,
     cells: BufferBinding<'_, i32>,
@@ -413,6 +414,6 @@ impl Slots {
 }
 
 /// Binding of one step's uniforms.
-fn slot(uniforms: &wgpu::Buffer) -> BufferBinding<'_, Opaque> {
+fn slot(uniforms: &Uniform) -> BufferBinding<'_, Opaque> {
     uniforms.part(0, Some(size_of::<VolumeUniforms>() as u64))
 }

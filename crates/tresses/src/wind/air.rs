@@ -12,7 +12,7 @@ use crate::{
     Context, Error, Pose, Result,
     clock::{MAX_STEPS, Mode, Step, Steps},
     collide::ColliderSet,
-    gpu::bindings::uniform_buffer,
+    gpu::Uniform,
     space::Field,
 };
 use bytemuck::Zeroable;
@@ -66,7 +66,7 @@ pub(crate) struct Air {
     advection: Advection,
     pressure: PressureSolve,
     center: Vec3,
-    uniforms: wgpu::Buffer,
+    uniforms: Uniform,
     bytes: u64,
     /// The wind for which `gusts` was created.
     wind: Option<Wind>,
@@ -105,8 +105,7 @@ impl Air {
                 unit: "cells along an axis",
             });
         }
-        let uniforms =
-            uniform_buffer(device, "air steps", STRIDE as usize * (MAX_STEPS * MAX_SPLIT) as usize);
+        let uniforms = device.storage_uniform(STRIDE as usize * (MAX_STEPS * MAX_SPLIT) as usize);
         let grids = Grids::new(device, cells);
         let advection = grids.advection(&pipelines, &uniforms, hair_grid, cells);
         let pressure = if context.tier().software {
@@ -160,29 +159,20 @@ impl Air {
     /// space. `diameter` is a hair's diameter, meters. `hair` is the hair's grid; without it the fluid contains no
     /// hair.
     #[cfg(test)]
-    pub fn prepare(
-        &mut self,
-        context: &Context,
-        wind: &Wind,
-        diameter: f32,
-        frame: &Steps<'_>,
-        hair: Option<HairGrid>,
-    ) {
-        self.prepare_in(context, wind, diameter, frame, &[], hair);
+    pub fn prepare(&mut self, wind: &Wind, diameter: f32, frame: &Steps<'_>, hair: Option<HairGrid>) {
+        self.prepare_in(wind, diameter, frame, &[], hair);
     }
 
     /// Like [`prepare`](Self::prepare), for hair simulated in a carrier frame: `fields` holds the air's velocity there
     /// for each step.
     pub(crate) fn prepare_in(
         &mut self,
-        context: &Context,
         wind: &Wind,
         diameter: f32,
         frame: &Steps<'_>,
         fields: &[Field],
         hair: Option<HairGrid>,
     ) {
-        let Context { queue, .. } = context;
         let shape = |w: &Wind| (w.gusts == 0.0, w.gust_length, w.seed);
         if self.wind.as_ref().map(shape) != Some(shape(wind)) {
             self.gusts = Gusts::new(wind, self.cell);
@@ -208,7 +198,7 @@ impl Air {
                 (uniforms.reset, uniforms.shift, uniforms.kick) = (0, IVec3::ZERO, Vec3::ZERO);
             }
         }
-        queue.write_buffer(&self.uniforms, 0, &bytes);
+        self.uniforms.write(0, &bytes);
     }
 
     /// Returns the position of the grid after step `index` of the last frame with steps.

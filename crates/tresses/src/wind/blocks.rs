@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     Context,
-    gpu::{BindBuffer, bindings::uniform_buffer},
+    gpu::{BindBuffer, Uniform},
     shaders::kernels::wind as kernels,
 };
 use bytemuck::Zeroable;
@@ -20,7 +20,7 @@ const SWEEPS: usize = 8;
 pub(super) fn solve(
     context: &Context,
     pipelines: &Pipelines,
-    uniforms: &wgpu::Buffer,
+    uniforms: &Uniform,
     grids: &Grids,
     cells: u32,
 ) -> PressureSolve {
@@ -38,8 +38,8 @@ pub(super) fn solve(
     let [give_x, give_y, give_z] = &gives;
     let u = uniforms.part(0, Some(size_of::<WindUniforms>() as u64));
     let half_of = |half: HalfSweep| {
-        let buffer = uniform_buffer(&context.device, "air half", size_of::<HalfSweep>());
-        context.queue.write_buffer(&buffer, 0, bytemuck::bytes_of(&half));
+        let buffer = context.device.uniform(size_of::<HalfSweep>());
+        buffer.write(0, bytemuck::bytes_of(&half));
         buffer
     };
     let relax = |sweep: Sweep, color: usize| {

@@ -5,7 +5,7 @@ use super::{
     pipelines::{Dispatch, Pipelines},
 };
 use crate::{
-    gpu::{BindBuffer, Device, grid::grid_texture},
+    gpu::{BindBuffer, Device, Uniform, grid::grid_texture},
     shaders::kernels::wind as kernels,
 };
 use wgpu::{TextureFormat, TextureView};
@@ -69,7 +69,7 @@ impl Grids {
     pub fn advection(
         &self,
         pipelines: &Pipelines,
-        uniforms: &wgpu::Buffer,
+        uniforms: &Uniform,
         hair_grid: &TextureView,
         cells: u32,
     ) -> Advection {

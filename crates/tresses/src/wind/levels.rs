@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     Context,
-    gpu::{BindBuffer, Buffer, bindings::uniform_buffer},
+    gpu::{BindBuffer, Buffer, Uniform},
     shaders::kernels::wind as kernels,
 };
 
@@ -144,18 +144,18 @@ impl Binder<'_> {
         Dispatch { kernel, group, workgroups: [tiles; 3], is_stepped: false }
     }
 
-    fn uniform(&self, level: usize, what: AirLevel) -> wgpu::Buffer {
+    fn uniform(&self, level: usize, what: AirLevel) -> Uniform {
         let cells = self.levels[level].cells;
         let coarse = self.levels.get(level + 1).map_or(0, |level| level.cells);
         let inside = if level == 0 { cells - 1 } else { cells };
         let uniform = AirLevel { cells, inside, coarse, ..what };
-        let buffer = uniform_buffer(&self.context.device, "air level", size_of::<AirLevel>());
-        self.context.queue.write_buffer(&buffer, 0, bytemuck::bytes_of(&uniform));
+        let buffer = self.context.device.storage_uniform(size_of::<AirLevel>());
+        buffer.write(0, bytemuck::bytes_of(&uniform));
         buffer
     }
 
     /// Binds `level` with its pressures `from`, and the solution of the next coarser level.
-    fn tile<'a>(&'a self, uniform: &'a wgpu::Buffer, level: usize, from: usize) -> kernels::Tile<'a> {
+    fn tile<'a>(&'a self, uniform: &'a Uniform, level: usize, from: usize) -> kernels::Tile<'a> {
         let Level { equations, pressures, .. } = &self.levels[level];
         let coarsest = self.levels.len() - 1;
         let next = (level + 1).min(coarsest);

@@ -88,8 +88,8 @@ fn draw_twisted(
         Interpolation::new(context, &guides, &strands)
     };
     let params = TessellateParams::new(&guides, (&now, &now, 0.0), &now, (blend, twist != [0.0; 2]));
-    tessellation.prepare(context, &params);
-    interpolation.prepare(context, &guides, &strands);
+    tessellation.prepare(&params);
+    interpolation.prepare(&guides, &strands);
     common::compute(context, |pass| {
         tessellation.record(pass, &guides);
         interpolation.record(pass, &strands);
@@ -288,7 +288,7 @@ fn print_timings_of_strand_orders() {
             context.queue().write_buffer(&buffers.bindings, 0, bytemuck::cast_slice(&strands.bindings));
             context.queue().write_buffer(&buffers.rest, 0, bytemuck::cast_slice(&strands.rest));
             let between = Interpolation::new(context, &guides, &buffers);
-            between.prepare(context, &guides, &buffers);
+            between.prepare(&guides, &buffers);
             (between, buffers)
         });
         let mut times = [Vec::new(), Vec::new()];

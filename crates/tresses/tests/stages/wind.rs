@@ -164,7 +164,7 @@ impl Tunnel {
         self.colliders.advance(&ColliderPoses::default(), &moments).unwrap();
         let SimulationParams { wind, diameter, step, substep_count: substeps, .. } = self.physics;
         let due = Steps { steps: &steps, length: step, substeps };
-        self.air.prepare(context, &wind, diameter, &due, self.hair);
+        self.air.prepare(&wind, diameter, &due, self.hair);
         common::compute(context, |pass| self.air.record(pass, &self.colliders, 0));
     }
 

@@ -139,8 +139,13 @@ pub fn frame(workload: &Workload, frames: u32, clock: Clock) -> Result<FrameWork
     let mut scene = Photographer::on(gpu, &workload.counted_preset()?, workload.size)?;
     let camera = workload::camera(&scene, workload.size, workload.distance);
     let recorded = play(&mut scene, motion, &camera, clock, frames, &meter)?;
+    let commands = meter.commands(&scene.gpu.context)?;
+    // Each lap of a clock uploads uniforms, so transfers are those of a frame without.
+    meter.start(&scene.gpu.context);
+    let motion = Motion::named(motion).context("a built-in motion")?;
+    render(&mut scene, &motion, &camera, frames + 1, None)?;
     let host = meter.host_transfers();
-    Ok(FrameWork { commands: meter.commands(&scene.gpu.context)?, recorded, host })
+    Ok(FrameWork { commands, recorded, host })
 }
 
 /// Name of a stage, and counts of its commands.
@@ -156,26 +161,39 @@ fn play(
     meter: &Meter,
 ) -> Result<Vec<StageCounts>> {
     let motion = Motion::named(motion).context("a built-in motion")?;
-    let pivot = scene.character.neck();
-    scene.reset(&motion.gesture(0.0, pivot))?;
+    let start = motion.gesture(0.0, scene.character.neck());
+    scene.reset(&start)?;
     let context = scene.gpu.context.clone();
     let mut counts = Vec::new();
     for frame in 0..=frames {
         if frame == frames {
             meter.start(&context);
         }
-        let pose = motion.gesture(f64::from(frame + 1) / FPS, pivot);
-        scene.watch(camera);
         // The laps of a clock also submit each part of a long frame on its own.
         let mut timings = Timings::by(clock);
-        let mut encoder = context.device().create_command_encoder(&Default::default());
-        scene.record_advance(&mut encoder, Some(&mut timings), &pose, (1.0 / FPS) as f32)?;
-        scene.record_draw(&mut encoder, Some(&mut timings), camera)?;
-        context.queue().submit([encoder.finish()]);
-        context.device().poll(wgpu::PollType::wait_indefinitely())?;
+        render(scene, &motion, camera, frame, Some(&mut timings))?;
         counts = timings.counts().to_vec();
     }
     Ok(counts)
+}
+
+/// Renders frame `frame` of a motion and waits for it.
+fn render(
+    scene: &mut Photographer,
+    motion: &Motion,
+    camera: &Viewpoint,
+    frame: u32,
+    mut timings: Option<&mut Timings>,
+) -> Result<()> {
+    let context = scene.gpu.context.clone();
+    let pose = motion.gesture(f64::from(frame + 1) / FPS, scene.character.neck());
+    scene.watch(camera);
+    let mut encoder = context.device().create_command_encoder(&Default::default());
+    scene.record_advance(&mut encoder, timings.as_deref_mut(), &pose, (1.0 / FPS) as f32)?;
+    scene.record_draw(&mut encoder, timings, camera)?;
+    context.queue().submit([encoder.finish()]);
+    context.device().poll(wgpu::PollType::wait_indefinitely())?;
+    Ok(())
 }
 
 /// Combines times and counts of the same stages.

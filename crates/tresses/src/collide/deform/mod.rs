@@ -38,7 +38,7 @@ use crate::{
     Context, Error, Pose, Result,
     body::Skin,
     constants::{BUILD_WORKGROUP, DEFORM_NODES},
-    gpu::{BindBuffer, Device, Kernel, PipelineSet},
+    gpu::{BindBuffer, Device, Kernel, PipelineSet, Uniform},
     groom::{TriMesh, mesh::Bvh, rig::anatomy::Flesh},
     shaders::kernels::collide::deform as kernels,
     strands::buffers::filled,
@@ -201,7 +201,7 @@ pub struct Deformation {
     pub poses: Vec<Pose>,
     head: DeformHead,
     parts: Vec<DeformPart>,
-    buffer: wgpu::Buffer,
+    buffer: Uniform,
     gather: wgpu::BindGroup,
     settle: wgpu::BindGroup,
     pub(super) texture: wgpu::Texture,
@@ -263,7 +263,8 @@ impl Deformation {
             ..Default::default()
         };
         let known = [bytemuck::bytes_of(&head), bytemuck::cast_slice(parts)].concat();
-        let frame = filled(context, "deforming parts", &known)?;
+        let frame = device.storage_uniform(known.len());
+        frame.write(0, &known);
         let moves = crate::strands::buffers::storage::<[f32; 4]>(device, "moves of skin", head.count.into())?;
         let texture = texture(device, parts.len() as u32);
         let view = texture.create_view(&Default::default());
@@ -303,8 +304,7 @@ impl Deformation {
     ///
     /// # Errors
     /// [`Error::Colliders`] if the number of poses does not match the parts, or a pose is not finite.
-    pub(super) fn prepare(&mut self, context: &Context, steps: bool, jumps: bool) -> Result<u32> {
-        let Context { queue, .. } = context;
+    pub(super) fn prepare(&mut self, steps: bool, jumps: bool) -> Result<u32> {
         if self.poses.len() != self.parts.len() {
             let (poses, parts) = (self.poses.len(), self.parts.len());
             return Err(Error::Colliders(format!("{poses} poses were given for {parts} deforming fields")));
@@ -325,7 +325,7 @@ impl Deformation {
         self.head.fresh = (self.fresh || jumps).into();
         self.fresh = false;
         let known = [bytemuck::bytes_of(&self.head), bytemuck::cast_slice(&self.parts)].concat();
-        queue.write_buffer(&self.buffer, 0, &known);
+        self.buffer.write(0, &known);
         Ok(self.head.side)
     }
 

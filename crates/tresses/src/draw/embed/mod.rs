@@ -34,8 +34,8 @@ use crate::light::SceneShadow;
 use crate::{
     Context, Error, Result,
     gpu::{
-        Binding, Device,
-        bindings::{layout, uniform_buffer},
+        Binding, Device, Uniform,
+        bindings::layout,
         commands::{cleared, colored},
         pipeline::{Recipe, blended},
     },
@@ -155,7 +155,7 @@ pub struct Compositor {
     /// Replaces `composite` for tiles if the scene's depth has several samples.
     edges: Option<(wgpu::RenderPipeline, wgpu::BindGroupLayout)>,
     geometry_layout: wgpu::BindGroupLayout,
-    uniform: wgpu::Buffer,
+    uniform: Uniform,
     shade: shade::Caster,
 }
 
@@ -258,7 +258,7 @@ impl Compositor {
             geometry: geometry.build(device)?,
             composite_layout,
             geometry_layout,
-            uniform: uniform_buffer(device, "embed", size_of::<EmbedUniform>()),
+            uniform: device.uniform(size_of::<EmbedUniform>()),
             shade: shade::Caster::new(context, format),
         })
     }
@@ -312,7 +312,7 @@ impl Compositor {
     /// Converts the scene's depth to the projection `to` and writes it into the targets, before the hair.
     pub(crate) fn record_depth(&self, canvas: &mut Canvas<'_, '_>, to: Mat4, into: &HostFrame<'_>) {
         let values = EmbedUniform::new(into, to, canvas.target);
-        canvas.commands.context().queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
+        self.uniform.write(0, bytemuck::bytes_of(&values));
         let (pipeline, layout) = &self.depths[usize::from(has_samples(into.depth))];
         let group = self.bind(&canvas.commands.context().device, layout, into.depth);
         let mut pass = pass(canvas, "embed", true);

@@ -27,8 +27,8 @@ use crate::{
     body::{self, Body},
     constants::STRAND_WORKGROUP,
     gpu::{
-        BindBuffer, Binding, Device, Kernel,
-        bindings::{self, layout},
+        BindBuffer, Binding, Device, Kernel, Uniform,
+        bindings::layout,
         commands::{cleared, deep},
         kernel::{self, Job},
         pipeline::{DEPTH_FORMAT, PipelineCache, Recipe},
@@ -39,6 +39,7 @@ use crate::{
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec2, Vec2, Vec3};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use wgpu::util::DeviceExt;
 
 /// Distance between adjacent points at the focus of the view, meters.
 const SPACING: f32 = 0.0012;
@@ -51,8 +52,6 @@ const ACROSS: [u32; 2] = [2, 8];
 const WORDS: u64 = 8;
 /// Initial value of the count buffer: workgroups of `evaluate` (x, y, z) and number of listed points.
 const INITIAL_COUNT: [u32; 4] = [0, 1, 1, 0];
-/// Byte offset of the count in the buffer of a zone.
-const COUNT_AT: u64 = 32;
 
 const POSITION: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 const NORMAL: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -130,14 +129,16 @@ pub(crate) struct SoftTargets {
     position: wgpu::TextureView,
     normal: wgpu::TextureView,
     depth: wgpu::TextureView,
-    uniform: wgpu::Buffer,
+    uniform: Uniform,
     points: wgpu::Buffer,
     /// Listed points: the index of each, and of the texel on the body that it samples.
     listed: wgpu::Buffer,
     /// Workgroups of `evaluate`, then the number of listed points.
     count: wgpu::Buffer,
-    /// For each zone, its uniform and the initial count.
-    zones: Mutex<Vec<wgpu::Buffer>>,
+    /// [`INITIAL_COUNT`], which each zone copies to the count.
+    initial_count: wgpu::Buffer,
+    /// Uniform of each zone.
+    zones: Mutex<Vec<Uniform>>,
     /// Bind group for drawing bodies.
     pub(super) group: wgpu::BindGroup,
     /// Bind groups of the kernels, by light and uniform: those that the last frame used.
@@ -149,7 +150,7 @@ pub(crate) struct SoftTargets {
 struct KernelGroups {
     /// Identity of the light: the bind group of its frame.
     light: wgpu::BindGroup,
-    uniform: wgpu::Buffer,
+    uniform: Uniform,
     list: wgpu::BindGroup,
     evaluate: wgpu::BindGroup,
     is_used: bool,
@@ -185,8 +186,8 @@ impl SoftTargets {
         };
         let max_points = u64::from(width) * u64::from(height);
         let points = buffer("soft points", 4 * WORDS * max_points, wgpu::BufferUsages::COPY_DST);
-        let uniform = bindings::uniform_buffer(device, "soft", size_of::<SoftUniform>());
-        let buffers = [&uniform, &points].map(wgpu::Buffer::as_entire_binding);
+        let uniform = device.storage_uniform(size_of::<SoftUniform>());
+        let buffers = [uniform.as_entire_binding(), points.as_entire_binding()];
         Self {
             size,
             position: texture("soft positions", POSITION),
@@ -199,6 +200,11 @@ impl SoftTargets {
                 16,
                 wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST,
             ),
+            initial_count: device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some("initial count"),
+                contents: bytemuck::bytes_of(&INITIAL_COUNT),
+                usage: wgpu::BufferUsages::COPY_SRC,
+            }),
             uniform,
             points,
             zones: Mutex::default(),
@@ -223,7 +229,7 @@ impl SoftTargets {
         let across = Self::across(canvas.camera, canvas.target.ssaa, canvas.focus);
         let [wide, high] = self.size.map(|side| side.div_ceil(across));
         let uniform = SoftUniform { across, wide, high, zone: 0, first: [0; 2], size: [wide, high] };
-        canvas.commands.context().queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        self.uniform.write(0, bytemuck::bytes_of(&uniform));
 
         let surface = pipelines.surface(&canvas.commands.context().device)?;
         let strays: Vec<_> = bodies.iter().map(|body| canvas.stray(body).max(STRAY)).collect();
@@ -270,30 +276,17 @@ impl SoftTargets {
         // A panic cannot leave the list half-written.
         let mut zones = self.zones.lock().unwrap_or_else(PoisonError::into_inner);
         while zones.len() < parts.len() {
-            // The uniform, then the initial count.
-            zones.push(canvas.commands.context().device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("soft zone"),
-                size: COUNT_AT + 16,
-                usage: wgpu::BufferUsages::STORAGE
-                    | wgpu::BufferUsages::COPY_DST
-                    | wgpu::BufferUsages::COPY_SRC,
-                mapped_at_creation: false,
-            }));
+            zones.push(canvas.commands.context().device.storage_uniform(size_of::<SoftUniform>()));
         }
-        for (part, buffer) in parts.iter().zip(zones.iter()) {
+        for (part, zone) in parts.iter().zip(zones.iter()) {
             let corners = part.bodies.iter().flat_map(|i| bodies[*i].corners());
             let Some((first, size)) = square(canvas.camera, corners, [full.wide, full.high]) else {
                 continue;
             };
             let uniform = SoftUniform { zone: part.number, first, size, ..full };
-            canvas.commands.context().queue.write_buffer(buffer, 0, bytemuck::bytes_of(&uniform));
-            canvas.commands.context().queue.write_buffer(
-                buffer,
-                COUNT_AT,
-                bytemuck::bytes_of(&INITIAL_COUNT),
-            );
-            canvas.commands.copy_part(buffer, COUNT_AT, &self.count, 16);
-            self.evaluate(pipelines, canvas, (part.light, buffer), size[0] * size[1])?;
+            zone.write(0, bytemuck::bytes_of(&uniform));
+            canvas.commands.copy_part(&self.initial_count, &self.count, 16);
+            self.evaluate(pipelines, canvas, (part.light, zone), size[0] * size[1])?;
         }
         Ok(())
     }
@@ -303,7 +296,7 @@ impl SoftTargets {
         &self,
         pipelines: &Pipelines,
         canvas: &mut Canvas<'_, '_>,
-        (light, uniform): (&light::LightState, &wgpu::Buffer),
+        (light, uniform): (&light::LightState, &Uniform),
         point_count: u32,
     ) -> Result<()> {
         let mut all = self.groups();
@@ -320,8 +313,8 @@ impl SoftTargets {
         pass.end()
     }
 
-    fn bind(&self, pipelines: &Pipelines, light: &light::LightState, uniform: &wgpu::Buffer) -> KernelGroups {
-        let soft = uniform.part(0, Some(size_of::<SoftUniform>() as u64));
+    fn bind(&self, pipelines: &Pipelines, light: &light::LightState, uniform: &Uniform) -> KernelGroups {
+        let soft = uniform.entire();
         let (positions, normals) = (&self.position, &self.normal);
         let (points, listed, count) = (self.points.entire(), self.listed.entire(), self.count.entire());
         let (transmittance, ambient) = (light.transmittance(), light.ambient());

@@ -5,7 +5,7 @@ use crate::{
     Result,
     constants::{STRAND_WORKGROUP, TILE, TILE_BINS, TILE_BLOCK, TILE_ROUNDS},
     draw::canvas::{HDR_FORMAT, TextureKind},
-    gpu::{BindBuffer, BufferBinding, Device, bindings::uniform_buffer},
+    gpu::{BindBuffer, BufferBinding, Device, Uniform},
     strands::buffers::storage,
 };
 use bytemuck::{Pod, Zeroable};
@@ -102,7 +102,7 @@ pub(crate) struct TileBuffers {
     pub depths: wgpu::Buffer,
     rounds: wgpu::Buffer,
     /// See [`TileGrid`].
-    pub grid: wgpu::Buffer,
+    pub grid: Uniform,
 }
 
 impl TileBuffers {
@@ -153,7 +153,7 @@ impl TileBuffers {
             }),
             depths: storage::<u32>(device, "depths of lists", u64::from(TILE_ROUNDS) + 2 * count)?,
             rounds,
-            grid: uniform_buffer(device, "grid of tiles", size_of::<TileGrid>()),
+            grid: device.storage_uniform(size_of::<TileGrid>()),
         })
     }
 

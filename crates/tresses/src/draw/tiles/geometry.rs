@@ -3,7 +3,7 @@
 use super::texels::Texels;
 use crate::{
     draw::canvas::Canvas,
-    gpu::{BindBuffer, Kernel, bindings::uniform_buffer, commands::bytes},
+    gpu::{BindBuffer, Kernel, Uniform, commands::bytes},
     shaders::kernels::draw::tiles as kernels,
     space::Space,
 };
@@ -42,7 +42,7 @@ struct LastFrame {
 pub(super) struct Geometry {
     pub texture: wgpu::TextureView,
     pub group: wgpu::BindGroup,
-    uniform: wgpu::Buffer,
+    uniform: Uniform,
     before: wgpu::Texture,
     last: Option<LastFrame>,
     /// Whether the last frame knew the points of the one before it.
@@ -58,7 +58,7 @@ impl Geometry {
         let texture = canvas.target.texture()(("hair's geometry", FORMAT, usage));
         let texture = texture.create_view(&Default::default());
         let before = points.like(device, "points before");
-        let uniform = uniform_buffer(device, "geometry of hair", size_of::<GeometryUniform>());
+        let uniform = device.storage_uniform(size_of::<GeometryUniform>());
         let view = before.create_view(&Default::default());
         let group = kernel.bind(&kernels::Geometry {
             fine,
@@ -87,7 +87,7 @@ impl Geometry {
         let last = last.map_or(camera, |last| last.camera * last.space.from(&canvas.space).matrix());
         let before = (last * camera.inverse()).as_mat4();
         let values = GeometryUniform { before, depth, is_known: is_known.into(), _pad: [0; 3] };
-        canvas.commands.context().queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
+        self.uniform.write(0, bytemuck::bytes_of(&values));
         canvas.commands.clear_texture("no geometry", &self.texture);
     }
 

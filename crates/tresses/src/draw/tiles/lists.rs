@@ -9,10 +9,10 @@ use super::{
     texels::Texels,
 };
 use crate::{
-    Context, Result,
+    Result,
     constants::TILE,
     draw::canvas::Canvas,
-    gpu::{BindBuffer, Device, bindings::uniform_buffer},
+    gpu::{BindBuffer, Device, Uniform},
     light::{HairView, ShadingSubset},
     shaders::kernels::draw::tiles as bound,
     strands::buffers::storage,
@@ -56,7 +56,7 @@ pub(super) struct HairLists {
 /// The points of one groom and the bind groups that read them.
 #[derive(Debug)]
 pub(super) struct GroomPoints {
-    part: wgpu::Buffer,
+    part: Uniform,
     pub project: wgpu::BindGroup,
     /// The visible segments, for shading.
     pub visible_segments: ShadingSubset,
@@ -170,8 +170,7 @@ impl HairLists {
     }
 
     /// Writes the uniforms of a frame.
-    pub fn prepare(&mut self, context: &Context, grid: &wgpu::Buffer, hair: &[HairView<'_>]) {
-        let Context { queue, .. } = context;
+    pub fn prepare(&mut self, grid: &Uniform, hair: &[HairView<'_>]) {
         let mut points = 0;
         for ((view, groom), first) in hair.iter().zip(&mut self.grooms).zip(&self.firsts) {
             let drawn = &view.hair.drawn;
@@ -181,10 +180,10 @@ impl HairLists {
                 PointRange { first: *first, count: drawn.count, vertex_count: drawn.vertex_count, capacity };
             (groom.points, groom.capacity) = (own, capacity);
             points = part.first + own;
-            queue.write_buffer(&groom.part, 0, bytemuck::bytes_of(&part));
+            groom.part.write(0, bytemuck::bytes_of(&part));
         }
         self.grid.points = points;
-        queue.write_buffer(grid, 0, bytemuck::bytes_of(&self.grid));
+        grid.write(0, bytemuck::bytes_of(&self.grid));
     }
 
     /// Bytes of GPU memory.
@@ -245,7 +244,7 @@ impl GroomPoints {
         first: u32,
     ) -> Result<Self> {
         let context = canvas.commands.context();
-        let part = uniform_buffer(&context.device, "part of the points", size_of::<PointRange>());
+        let part = context.device.storage_uniform(size_of::<PointRange>());
         let project = kernels.project.bind(&bound::Project {
             view: canvas.eye.entire(),
             grid: tiles.grid.entire(),

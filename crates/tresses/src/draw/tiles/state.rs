@@ -222,7 +222,7 @@ impl Tiles {
             *lists = Some(HairLists::new(kernels, &self.buffers, canvas, hair, next(entries))?);
         }
         if let Some(lists) = lists.as_mut() {
-            lists.prepare(canvas.commands.context(), &self.buffers.grid, hair);
+            lists.prepare(&self.buffers.grid, hair);
             let look = FrameLook::of(canvas.camera, canvas.focus, lists.grid.points);
             capacity.begin(look, lists.grid.window);
         }

@@ -3,7 +3,7 @@
 use super::GrabUniform;
 use crate::{
     Context, collide,
-    gpu::{BindBuffer, Kernel},
+    gpu::{BindBuffer, Kernel, Uniform},
     shaders::kernels::simulate::grab as kernels,
     strands::{GuideBuffers, StrandBuffers},
 };
@@ -24,7 +24,7 @@ pub(crate) struct GrabKernels {
 #[derive(Debug)]
 pub(crate) struct GrabBuffers {
     /// A [`GrabUniform`] per step.
-    pub uniforms: wgpu::Buffer,
+    pub uniforms: Uniform,
     pub marks: wgpu::Buffer,
     pub state: wgpu::Buffer,
     pub holds: wgpu::Buffer,

@@ -296,7 +296,8 @@ impl Grab {
     pub fn bytes(&self) -> u64 {
         self.buffers.as_ref().map_or(0, |buffers| {
             let own = &buffers.own;
-            [&own.uniforms, &own.marks, &own.state, &own.holds].iter().map(|buffer| buffer.size()).sum()
+            let buffers: u64 = [&own.marks, &own.state, &own.holds].iter().map(|buffer| buffer.size()).sum();
+            own.uniforms.size() + buffers
         })
     }
 
@@ -381,7 +382,7 @@ impl Grab {
             };
             slot[..size_of::<GrabUniform>()].copy_from_slice(bytemuck::bytes_of(&uniform));
         }
-        queue.write_buffer(&buffers.own.uniforms, 0, &bytes);
+        buffers.own.uniforms.write(0, &bytes);
         if self.picks {
             queue.write_buffer(&buffers.own.marks, 0, bytemuck::cast_slice(&[u32::MAX; 2]));
         }
@@ -411,12 +412,7 @@ impl Buffers {
     fn new(context: &Context, guides: &GuideBuffers, strands: &StrandBuffers) -> Result<Self> {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
-        let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("grab"),
-            size: u64::from(STRIDE * MAX_STEPS),
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let uniforms = device.uniform((STRIDE * MAX_STEPS) as usize);
         let marks = storage::<u32>(device, "grab marks", 4)?;
         let state = storage::<GrabState>(device, "grab state", 1)?;
         let holds = storage::<[f32; 4]>(

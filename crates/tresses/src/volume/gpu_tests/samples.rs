@@ -119,7 +119,7 @@ fn cost_of_a_thousand_guides() {
         scene.prepare(&HairHair::default(), &step);
         let params = SimulationParams::default();
         let mut solve = Simulation::new(scene.context, &scene.guides);
-        solve.prepare(scene.context, &params, &[step], false).unwrap();
+        solve.prepare(&params, &[step], false).unwrap();
         let nothing = quickest(&mut scene, |_, _| ());
         let solve = quickest(&mut scene, |s, pass| solve.record(pass, &s.colliders, 0));
         let splat = quickest(&mut scene, |s, pass| {

@@ -93,7 +93,7 @@ impl Setup {
         let poses = ColliderPoses { head: None, colliders: self.places.clone() };
         self.colliders.advance(&poses, &moments).unwrap();
         let frame = Steps { steps: &steps, length: H, substeps };
-        self.volume.prepare(self.context, params, &frame, &self.colliders);
+        self.volume.prepare(params, &frame, &self.colliders);
     }
 
     /// Returns the integers after `splat` alone, then clears them.

@@ -130,7 +130,7 @@ impl Experiment {
             let moments = Moments { steps, substeps, step: self.params.step, head, alpha: 1.0 };
             self.colliders.advance(&self.obstacles, &moments).unwrap();
             common::compute(context, |pass| {
-                self.simulation.run(context, pass, &self.params, steps, &self.colliders).unwrap();
+                self.simulation.run(pass, &self.params, steps, &self.colliders).unwrap();
             });
         }
     }

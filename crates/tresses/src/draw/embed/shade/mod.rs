@@ -24,8 +24,8 @@ use crate::{
     Context, Result,
     draw::canvas::Canvas,
     gpu::{
-        Binding, Device,
-        bindings::{layout, uniform_buffer},
+        Binding, Device, Uniform,
+        bindings::layout,
         pipeline::{PipelineCache, Recipe, blended},
     },
     light::{self, MAX_LIGHTS},
@@ -113,7 +113,7 @@ pub(super) struct Caster {
     /// For depth with one sample, and with several.
     layouts: [wgpu::BindGroupLayout; 2],
     pipelines: PipelineCache<bool, wgpu::RenderPipeline>,
-    uniform: wgpu::Buffer,
+    uniform: Uniform,
 }
 
 impl Caster {
@@ -128,7 +128,7 @@ impl Caster {
             format,
             layouts: [Binding::Depth, Binding::DepthMultisampled].map(layout),
             pipelines: PipelineCache::default(),
-            uniform: uniform_buffer(device, "embed shade", size_of::<ShadeUniform>()),
+            uniform: device.uniform(size_of::<ShadeUniform>()),
         }
     }
 
@@ -157,7 +157,7 @@ impl Caster {
         let many = has_samples(into.depth);
         let pipeline = self.pipeline(many)?;
         let values = ShadeUniform::new(&shade, canvas, into);
-        canvas.commands.context().queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
+        self.uniform.write(0, bytemuck::bytes_of(&values));
         let bound = [self.uniform.as_entire_binding(), wgpu::BindingResource::TextureView(into.depth)];
         let own =
             canvas.commands.context().device.group("embed shade", &self.layouts[usize::from(many)], &bound);
