@@ -11,7 +11,7 @@
 //! inlining hardly changes the shader. Affected shaders bind such values as [`Binding::Storage`] instead, which the
 //! driver does not inline. `apps/cli/tests/command/memory.rs` tests this.
 
-use super::handle::Device;
+use super::{handle::Device, uniforms::Uniform};
 use std::{marker::PhantomData, ops::Deref};
 use wgpu::{BindingType, BufferBindingType, SamplerBindingType, TextureSampleType, TextureViewDimension};
 
@@ -159,6 +159,13 @@ impl BindBuffer for wgpu::Buffer {
     fn part<T>(&self, offset: u64, size: Option<u64>) -> BufferBinding<'_, T> {
         let size = size.and_then(wgpu::BufferSize::new);
         BufferBinding { buffer: self, offset, size, element: PhantomData }
+    }
+}
+
+impl BindBuffer for Uniform {
+    fn part<T>(&self, offset: u64, size: Option<u64>) -> BufferBinding<'_, T> {
+        let (buffer, range) = self.range(offset, size);
+        buffer.part(range.start, Some(range.end - range.start))
     }
 }
 

@@ -85,6 +85,11 @@ impl Context {
         Self { device: Device { fill, ..self.device }, sets: Arc::default(), ..self }
     }
 
+    /// Uploads the uniforms that were written since the last call. Call it before commands that read them are submitted.
+    pub(crate) fn flush_uniforms(&self) {
+        self.device.uniforms.flush(|buffer, offset, bytes| self.queue.write_buffer(buffer, offset, bytes));
+    }
+
     /// The device.
     pub fn device(&self) -> &wgpu::Device {
         &self.device

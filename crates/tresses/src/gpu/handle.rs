@@ -1,6 +1,9 @@
 //! The handles of device and queue that kernels and pipelines use.
 
-use super::{probe::Probe, uniforms::UniformHeap};
+use super::{
+    probe::Probe,
+    uniforms::{Space, Uniform, UniformHeap},
+};
 use std::{ops::Deref, sync::Arc};
 
 /// A device, and the hooks of tests and tools that change its shaders and the contents of new memory.
@@ -19,6 +22,19 @@ pub(crate) struct Device {
     pub fill: Option<wgpu::Queue>,
     /// Pages of small values, which all clones of a context share.
     pub uniforms: Arc<UniformHeap>,
+}
+
+impl Device {
+    /// Takes a slot of `size` bytes, initially zero, that shaders bind as `var<uniform>`.
+    pub fn uniform(&self, size: usize) -> Uniform {
+        self.uniforms.slot(&self.device, Space::Uniform, size)
+    }
+
+    /// As [`uniform`](Self::uniform), for shaders that bind it as `var<storage, read>`: if the values alone decide
+    /// loops or branches, and for arrays. Shaders see an array of at least 16 bytes.
+    pub fn storage_uniform(&self, size: usize) -> Uniform {
+        self.uniforms.slot(&self.device, Space::Storage, size)
+    }
 }
 
 impl Deref for Device {

@@ -2,21 +2,16 @@
 //!
 //! A write through the queue costs a staging buffer, a barrier and a copy, whatever its size, and a frame has dozens of
 //! values. They therefore lie in slots of a few buffers. [`Uniform::write`] changes a copy on the CPU, and
-//! [`Context::flush_uniforms`] uploads what has changed, before the commands that read it are submitted. That happens
-//! when a pass ends, or when [merging](super::Commands::set_merging) ends.
+//! `Context::flush_uniforms` uploads what has changed, before the commands that read it are submitted. That happens
+//! when a pass ends, or when merging ends (`Commands::set_merging`).
 //!
 //! wgpu tracks a buffer as a whole, and inserts a barrier where its use changes. Values in the uniform address space
 //! and values in the storage address space thus have pages of their own.
 
-use super::{
-    BindBuffer, BufferBinding, Context, Opaque,
-    handle::{Device, Queue},
-    pipeline::lock,
-};
 use std::{
     collections::{HashMap, VecDeque},
     ops::Range,
-    sync::{Arc, Mutex},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
 /// Bytes of a page.
@@ -32,7 +27,7 @@ const REST: u64 = 256;
 
 /// Address space in which shaders declare a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Space {
+pub(crate) enum Space {
     Uniform,
     Storage,
 }
@@ -87,31 +82,24 @@ struct Slot {
     size: u64,
 }
 
-impl Device {
-    /// Takes a slot of `size` bytes, initially zero, that shaders bind as `var<uniform>`.
-    pub fn uniform(&self, size: usize) -> Uniform {
-        self.slot(Space::Uniform, size)
-    }
-
-    /// As [`uniform`](Self::uniform), for shaders that bind it as `var<storage, read>`: if the values alone decide
-    /// loops or branches, and for arrays. Shaders see an array of at least 16 bytes.
-    pub fn storage_uniform(&self, size: usize) -> Uniform {
-        self.slot(Space::Storage, size)
-    }
-
-    fn slot(&self, space: Space, size: usize) -> Uniform {
+impl UniformHeap {
+    /// Takes a slot of `size` bytes, at least 16, initially zero.
+    pub fn slot(self: &Arc<Self>, device: &wgpu::Device, space: Space, size: usize) -> Uniform {
         let size = (size as u64).max(MIN_SIZE);
-        let mut pages = lock(&self.uniforms.0);
-        let (page, offset) = pages.take(&self.device, space, capacity(size));
+        let mut pages = self.pages();
+        let (page, offset) = pages.take(device, space, capacity(size));
         let buffer = pages.page(page).buffer.clone();
-        Uniform(Arc::new(Slot { heap: self.uniforms.clone(), space, buffer, page, offset, size }))
+        Uniform(Arc::new(Slot { heap: self.clone(), space, buffer, page, offset, size }))
     }
-}
 
-impl Context {
-    /// Uploads the uniforms that were written since the last call. Call it before commands that read them are submitted.
-    pub(crate) fn flush_uniforms(&self) {
-        lock(&self.device.uniforms.0).flush(&self.queue);
+    /// Passes what was written since the last call to `upload`: a buffer, an offset, and bytes.
+    pub fn flush(&self, upload: impl FnMut(&wgpu::Buffer, u64, &[u8])) {
+        self.pages().flush(upload);
+    }
+
+    fn pages(&self) -> MutexGuard<'_, Pages> {
+        // A panic cannot leave a half-written value.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -184,7 +172,7 @@ impl Pages {
         self.is_dirty = true;
     }
 
-    fn flush(&mut self, queue: &Queue) {
+    fn flush(&mut self, mut upload: impl FnMut(&wgpu::Buffer, u64, &[u8])) {
         if !std::mem::take(&mut self.is_dirty) {
             return;
         }
@@ -192,7 +180,7 @@ impl Pages {
         for page in self.pages.iter_mut().flatten() {
             let Range { start, end } = std::mem::take(&mut page.dirty);
             if start < end {
-                queue.write_buffer(&page.buffer, start, &page.bytes[start as usize..end as usize]);
+                upload(&page.buffer, start, &page.bytes[start as usize..end as usize]);
             }
         }
     }
@@ -219,7 +207,7 @@ impl Uniform {
         let slot = &*self.0;
         let end = offset + bytes.len() as u64;
         assert!(end <= slot.size, "{end} bytes do not fit into a slot of {}", slot.size);
-        lock(&slot.heap.0).write(slot.page, slot.offset + offset, bytes);
+        slot.heap.pages().write(slot.page, slot.offset + offset, bytes);
     }
 
     /// Size in bytes.
@@ -227,17 +215,18 @@ impl Uniform {
         self.0.size
     }
 
+    /// Returns the buffer of the slot, and `size` bytes from byte `offset` of the slot on, or the rest without `size`.
+    pub fn range(&self, offset: u64, size: Option<u64>) -> (&wgpu::Buffer, Range<u64>) {
+        let slot = &*self.0;
+        let start = slot.offset + offset;
+        (&slot.buffer, start..start + size.unwrap_or(slot.size - offset))
+    }
+
     /// Binds the whole slot.
     pub fn as_entire_binding(&self) -> wgpu::BindingResource<'_> {
-        self.entire::<Opaque>().into()
-    }
-}
-
-impl BindBuffer for Uniform {
-    fn part<T>(&self, offset: u64, size: Option<u64>) -> BufferBinding<'_, T> {
-        let slot = &*self.0;
-        let size = size.unwrap_or(slot.size - offset);
-        slot.buffer.part(slot.offset + offset, Some(size))
+        let (buffer, Range { start, end }) = self.range(0, None);
+        let size = wgpu::BufferSize::new(end - start);
+        wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: start, size })
     }
 }
 
@@ -250,14 +239,14 @@ impl PartialEq for Uniform {
 
 impl Drop for Slot {
     fn drop(&mut self) {
-        lock(&self.heap.0).free(self);
+        self.heap.pages().free(self);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::{noop, probe::Probe};
+    use crate::gpu::{BindBuffer, Context, Opaque, noop, probe::Probe};
     use std::sync::atomic::{AtomicU32, Ordering};
 
     /// Counts uploads.
@@ -296,7 +285,7 @@ mod tests {
 
     fn contents(uniform: &Uniform) -> Vec<u8> {
         let Slot { heap, page, offset, size, .. } = &*uniform.0;
-        lock(&heap.0).page(*page).bytes[*offset as usize..][..*size as usize].to_vec()
+        heap.pages().page(*page).bytes[*offset as usize..][..*size as usize].to_vec()
     }
 
     #[test]
@@ -376,7 +365,7 @@ mod tests {
     #[test]
     fn large_slots_have_pages_that_go_with_them() {
         let context = &noop();
-        let count = || lock(&context.device.uniforms.0).pages.iter().flatten().count();
+        let count = || context.device.uniforms.pages().pages.iter().flatten().count();
         let large = context.device.storage_uniform(MAX_SHARED as usize + 4);
         assert_eq!((large.size(), count()), (MAX_SHARED + 4, 1));
         drop(large);
