@@ -86,7 +86,7 @@ pub struct KernelStats {
 }
 
 /// What became of compiling for a chip.
-pub enum Compiled {
+pub enum Compilation {
     /// Its kernels.
     Kernels(CompiledKernels),
     /// The reason why there are none.
@@ -143,7 +143,7 @@ fn use_driver(command: &mut Command, file: &Path) {
 ///
 /// # Errors
 /// Fails if the maker is unknown or a kernel does not compile.
-pub fn compile(chip: &str) -> Result<Compiled> {
+pub fn compile(chip: &str) -> Result<Compilation> {
     let (maker, name) = chip.split_once(':').unwrap_or(("amd", chip));
     let Some(driver) = DRIVERS.iter().find(|driver| driver.maker == maker) else {
         let makers = DRIVERS.map(|driver| driver.maker).join(", ");
@@ -151,20 +151,20 @@ pub fn compile(chip: &str) -> Result<Compiled> {
     };
     let chip = format!("{maker}:{name}");
     let Some(mut command) = command(driver, name)? else {
-        return Ok(Compiled::Missing(format!("{chip}: no driver, see scripts/gpu-compilers")));
+        return Ok(Compilation::Missing(format!("{chip}: no driver, see scripts/gpu-compilers")));
     };
     let child = command.output().with_context(|| format!("{chip}: its driver does not start"))?;
     let message = String::from_utf8_lossy(&child.stderr);
     let unknown = ["Unknown family", "Failed to find amdgpu GPU", "FORCE_FAMILY=<family> has been removed"];
     if unknown.iter().any(|text| message.contains(text)) {
-        return Ok(Compiled::Missing(format!("{chip}: the driver does not know it")));
+        return Ok(Compilation::Missing(format!("{chip}: the driver does not know it")));
     }
     ensure!(child.status.success(), "{chip}: {}", message.trim());
     let mut compiled: CompiledKernels = serde_json::from_slice(&child.stdout)?;
     for kernel in &mut compiled.kernels {
         kernel.registers = of_32_bits(maker, kernel);
     }
-    Ok(Compiled::Kernels(CompiledKernels { chip, ..compiled }))
+    Ok(Compilation::Kernels(CompiledKernels { chip, ..compiled }))
 }
 
 /// Returns the registers of `kernel`, counted as its driver does, as registers of 32 bits per thread.

@@ -1,6 +1,6 @@
 //! The compute kernels as chips see them: registers, spills, waves. Fails when a kernel spills more than is known.
 
-use super::compiler::{self, Compiled, CompiledKernels, KernelStats};
+use super::compiler::{self, Compilation, CompiledKernels, KernelStats};
 use anyhow::{Result, ensure};
 use tresses_cli::bench::table::table;
 
@@ -55,8 +55,8 @@ pub fn compile(names: &[String]) -> Result<(Vec<CompiledKernels>, Vec<String>)> 
     let (mut chips, mut missing) = (Vec::new(), Vec::new());
     for name in names {
         match compiler::compile(name)? {
-            Compiled::Kernels(compiled) => chips.push(compiled),
-            Compiled::Missing(why) => missing.push(format!("not run: {why}")),
+            Compilation::Kernels(compiled) => chips.push(compiled),
+            Compilation::Missing(why) => missing.push(format!("not run: {why}")),
         }
     }
     Ok((chips, missing))

@@ -33,7 +33,7 @@ pub struct CountedFrame {
     /// Its dispatches and draws, in order.
     pub commands: Vec<CountedCommand>,
     /// What else it recorded, by stage.
-    pub recorded: BTreeMap<String, Recorded>,
+    pub recorded: BTreeMap<String, RecordedCounts>,
     /// Writes to buffers through the queue.
     pub uploads: u32,
     /// Copies to the CPU, each submitted on its own.
@@ -42,7 +42,7 @@ pub struct CountedFrame {
 
 /// What a stage recorded, besides its dispatches and draws.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
-pub struct Recorded {
+pub struct RecordedCounts {
     /// Indirect dispatches.
     pub indirect: u32,
     /// Passes, and runs of transfers between them: each is an encoder on Metal.
@@ -53,7 +53,7 @@ pub struct Recorded {
     pub bytes: u64,
 }
 
-impl From<&Counts> for Recorded {
+impl From<&Counts> for RecordedCounts {
     fn from(counts: &Counts) -> Self {
         Self {
             indirect: counts.indirect,
@@ -138,7 +138,7 @@ fn shares(terms: &Terms) -> String {
 #[derive(Clone, Debug, Default)]
 struct StageTime {
     commands: u32,
-    recorded: Recorded,
+    recorded: RecordedCounts,
     terms: Terms,
 }
 
@@ -224,7 +224,7 @@ impl<'a> Model<'a> {
             stages[index].1.commands += 1;
             *stages[index].1.terms.entry(limit).or_default() += seconds;
         }
-        for (name, recorded) in frame.recorded.iter().filter(|(_, it)| **it != Recorded::default()) {
+        for (name, recorded) in frame.recorded.iter().filter(|(_, it)| **it != RecordedCounts::default()) {
             let index = index_of(&mut stages, name);
             let stage = &mut stages[index].1;
             stage.recorded = *recorded;
@@ -277,7 +277,7 @@ impl<'a> Model<'a> {
         rows.extend(self.inputs.frames.iter().map(|frame| {
             let commands = frame.commands.len() as u32;
             let draws = frame.commands.iter().filter(|command| command.kernel.is_none()).count() as u32;
-            let sum = |of: fn(&Recorded) -> u32| frame.recorded.values().map(of).sum::<u32>();
+            let sum = |of: fn(&RecordedCounts) -> u32| frame.recorded.values().map(of).sum::<u32>();
             let (indirect, transfers) = (sum(|it| it.indirect), sum(|it| it.transfers));
             let (encoders, uploads, read_backs) = (sum(|it| it.encoders), frame.uploads, frame.read_backs);
             let counts = [commands - draws, indirect, draws, transfers, encoders, uploads, read_backs];
@@ -290,7 +290,7 @@ impl<'a> Model<'a> {
     /// the sum, wgpu's validation of indirect dispatches.
     pub fn stage_rows(&self, frame: &CountedFrame) -> Vec<Vec<String>> {
         let chip = self.main_chip();
-        let row = |name: &str, commands: u32, recorded: Recorded, terms: &Terms| {
+        let row = |name: &str, commands: u32, recorded: RecordedCounts, terms: &Terms| {
             let counts = [commands, recorded.indirect, recorded.encoders].map(|count| count.to_string());
             let sum = format!("{:.3}", 1e3 * terms.values().sum::<f64>());
             [name.to_owned()].into_iter().chain(counts).chain([sum, shares(terms)]).collect::<Vec<_>>()
@@ -298,7 +298,7 @@ impl<'a> Model<'a> {
         let mut rows = vec![
             ["stage", "commands", "indirect", "encoders", "ms", "limited by"].map(String::from).to_vec(),
         ];
-        let (mut commands, mut recorded) = (0, Recorded::default());
+        let (mut commands, mut recorded) = (0, RecordedCounts::default());
         for (name, stage) in self.stages(frame, chip) {
             commands += stage.commands;
             recorded.indirect += stage.recorded.indirect;
@@ -306,13 +306,13 @@ impl<'a> Model<'a> {
             rows.push(row(&name, stage.commands, stage.recorded, &stage.terms));
         }
         for (term, count) in host_terms(frame, chip).into_iter().zip([frame.uploads, frame.read_backs]) {
-            rows.push(row(term.0, count, Recorded::default(), &[term].into()));
+            rows.push(row(term.0, count, RecordedCounts::default(), &[term].into()));
         }
         rows.push(row("the frame", commands, recorded, &self.terms(frame, chip)));
         // One dependent dispatch more: one of its two barriers is the one before the indirect dispatch.
         let validation = ("launch", chip.launch * f64::from(recorded.indirect));
         let name = "validation (instances of hosts, browsers)";
-        rows.push(row(name, recorded.indirect, Recorded::default(), &[validation].into()));
+        rows.push(row(name, recorded.indirect, RecordedCounts::default(), &[validation].into()));
         rows
     }
 
@@ -477,17 +477,25 @@ mod tests {
         let close =
             |found: f64, expected: f64| assert!((found - expected).abs() < 1e-4, "{found}, not {expected}");
         close(milliseconds(MAIN, |_| {}), 0.01);
-        close(milliseconds(MAIN, recorded(Recorded { transfers: 2, ..Recorded::default() })), 0.02);
-        close(milliseconds(MAIN, recorded(Recorded { bytes: 96_000_000, ..Recorded::default() })), 0.11);
+        close(
+            milliseconds(MAIN, recorded(RecordedCounts { transfers: 2, ..RecordedCounts::default() })),
+            0.02,
+        );
+        close(
+            milliseconds(MAIN, recorded(RecordedCounts { bytes: 96_000_000, ..RecordedCounts::default() })),
+            0.11,
+        );
         // A stage without dispatches.
         let clears = |frame: &mut CountedFrame| {
-            frame.recorded.insert("view".into(), Recorded { transfers: 1, ..Recorded::default() });
+            frame
+                .recorded
+                .insert("view".into(), RecordedCounts { transfers: 1, ..RecordedCounts::default() });
         };
         close(milliseconds(MAIN, clears), 0.015);
         close(milliseconds(MAIN, |frame| frame.uploads = 40), 0.05);
         close(milliseconds(MAIN, |frame| frame.read_backs = 1), 0.02);
         // Switches cost time on Apple only: 8 µs.
-        let encoders = || recorded(Recorded { encoders: 5, ..Recorded::default() });
+        let encoders = || recorded(RecordedCounts { encoders: 5, ..RecordedCounts::default() });
         close(milliseconds(MAIN, encoders()), 0.01);
         close(milliseconds(3, encoders()) - milliseconds(3, |_| {}), 0.04);
     }
@@ -495,7 +503,7 @@ mod tests {
     #[test]
     fn validation_is_a_row_outside_of_the_sum() {
         let mut inputs = inputs(64, |_| {});
-        let recorded = Recorded { indirect: 3, encoders: 7, ..Recorded::default() };
+        let recorded = RecordedCounts { indirect: 3, encoders: 7, ..RecordedCounts::default() };
         inputs.frames[0].recorded.insert("ambient".into(), recorded);
         inputs.frames[0].uploads = 10;
         let constants = constants(|_| {});
