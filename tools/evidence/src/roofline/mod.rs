@@ -140,11 +140,17 @@ pub fn frame(workload: &Workload, frames: u32, clock: Clock) -> Result<FrameWork
     let camera = workload::camera(&scene, workload.size, workload.distance);
     let recorded = play(&mut scene, motion, &camera, clock, frames, &meter)?;
     let commands = meter.commands(&scene.gpu.context)?;
-    // Each lap of a clock uploads uniforms, so transfers are those of a frame without.
-    meter.start(&scene.gpu.context);
+    // Each lap of a clock uploads uniforms, so transfers are those of a frame without. About every second frame has a
+    // read-back.
     let motion = Motion::named(motion).context("a built-in motion")?;
-    render(&mut scene, &motion, &camera, frames + 1, None)?;
-    let host = meter.host_transfers();
+    let mut host = HostTransfers::default();
+    for frame in frames + 1..frames + 3 {
+        meter.start(&scene.gpu.context);
+        render(&mut scene, &motion, &camera, frame, None)?;
+        let HostTransfers { uploads, read_backs } = meter.host_transfers();
+        host.uploads = host.uploads.max(uploads);
+        host.read_backs = host.read_backs.max(read_backs);
+    }
     Ok(FrameWork { commands, recorded, host })
 }
 
