@@ -12,8 +12,12 @@
 //! driver does not inline. `apps/cli/tests/command/memory.rs` tests this.
 
 use super::{handle::Device, uniforms::Uniform};
+use bytemuck::Pod;
 use std::{marker::PhantomData, ops::Deref};
-use wgpu::{BindingType, BufferBindingType, SamplerBindingType, TextureSampleType, TextureViewDimension};
+use wgpu::{
+    BindingType, BufferBindingType, SamplerBindingType, TextureSampleType, TextureViewDimension,
+    util::DeviceExt,
+};
 
 /// Type of the resource at one binding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -291,6 +295,15 @@ pub fn uniform_buffer(device: &wgpu::Device, label: &str, size: usize) -> wgpu::
         size: size as u64,
         usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
+    })
+}
+
+/// Creates a buffer with a value that never changes. Bind groups keep it, unlike the slot of a [`Uniform`].
+pub(crate) fn constant<T: Pod>(device: &wgpu::Device, label: &str, value: &T) -> wgpu::Buffer {
+    device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some(label),
+        contents: bytemuck::bytes_of(value),
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE,
     })
 }
 

@@ -2,8 +2,8 @@
 //!
 //! A write through the queue costs a staging buffer, a barrier and a copy, whatever its size, and a frame has dozens of
 //! values. They therefore lie in slots of a few buffers. [`Uniform::write`] changes a copy on the CPU, and
-//! `Context::flush_uniforms` uploads what has changed, before the commands that read it are submitted. That happens
-//! when a pass ends, or when merging ends (`Commands::set_merging`).
+//! `Context::flush_uniforms` uploads the changes before the commands that read them are submitted: when a pass ends, or
+//! when merging ends (`Commands::set_merging`).
 //!
 //! wgpu tracks a buffer as a whole, and inserts a barrier where its use changes. Values in the uniform address space
 //! and values in the storage address space thus have pages of their own.
@@ -68,7 +68,8 @@ struct FreeSlot {
     since: u64,
 }
 
-/// A slot of a page, for values that are constant for a dispatch or draw. Clones refer to the same slot.
+/// A slot of a page, for values that are constant for a dispatch or draw. Clones refer to the same slot. A bind group
+/// does not keep it: whoever holds the bind group holds the slot.
 #[derive(Clone, Debug)]
 pub(crate) struct Uniform(Arc<Slot>);
 
@@ -92,9 +93,15 @@ impl UniformHeap {
         Uniform(Arc::new(Slot { heap: self.clone(), space, buffer, page, offset, size }))
     }
 
-    /// Passes what was written since the last call to `upload`: a buffer, an offset, and bytes.
+    /// Calls `upload` with the buffer, offset and bytes of each changed range since the last call.
     pub fn flush(&self, upload: impl FnMut(&wgpu::Buffer, u64, &[u8])) {
         self.pages().flush(upload);
+    }
+
+    /// Number of free slots.
+    #[cfg(test)]
+    pub fn free_slots(&self) -> usize {
+        self.pages().free.values().map(VecDeque::len).sum()
     }
 
     fn pages(&self) -> MutexGuard<'_, Pages> {
@@ -121,8 +128,8 @@ impl Pages {
             self.write(page, offset, &vec![0; capacity as usize]);
             return (page, offset);
         }
-        let has_room = |page: &Page| page.space == space && page.used + capacity <= page.bytes.len() as u64;
-        let known = self.pages.iter().position(|page| page.as_ref().is_some_and(has_room));
+        let fits = |page: &Page| page.space == space && page.used + capacity <= page.bytes.len() as u64;
+        let known = self.pages.iter().position(|page| page.as_ref().is_some_and(fits));
         let index = match known.filter(|_| capacity <= MAX_SHARED) {
             Some(index) => index,
             None if capacity <= MAX_SHARED => self.add(Page::new(device, space, PAGE)),
@@ -279,7 +286,7 @@ mod tests {
         probe.0.load(Ordering::Relaxed)
     }
 
-    fn place(uniform: &Uniform) -> (usize, u64) {
+    fn position(uniform: &Uniform) -> (usize, u64) {
         (uniform.0.page, uniform.0.offset)
     }
 
@@ -343,21 +350,21 @@ mod tests {
         let context = &mut noop();
         let kept = context.device.uniform(100);
         let freed = context.device.uniform(100);
-        let free = place(&freed);
+        let free = position(&freed);
         freed.write(0, &[7; 100]);
         drop(freed);
         for turn in 0..REST {
             let next = context.device.uniform(100);
-            assert_ne!(place(&next), free, "reused after {turn} flushes");
+            assert_ne!(position(&next), free, "reused after {turn} flushes");
             kept.write(0, &(turn as u32 + 1).to_le_bytes());
             uploads(context);
             // Slots of these turns stay taken.
             std::mem::forget(next);
         }
-        assert_ne!(place(&context.device.uniform(300)), free, "another capacity");
-        assert_ne!(place(&context.device.storage_uniform(100)), free, "another address space");
+        assert_ne!(position(&context.device.uniform(300)), free, "another capacity");
+        assert_ne!(position(&context.device.storage_uniform(100)), free, "another address space");
         let again = context.device.uniform(100);
-        assert_eq!(place(&again), free);
+        assert_eq!(position(&again), free);
         assert_eq!(contents(&again), [0; 100]);
         assert_eq!(uploads(context), 2, "the zeros of the slot, and a page of storage");
     }

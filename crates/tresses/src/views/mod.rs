@@ -73,7 +73,7 @@ use crate::{
     collide::ColliderSet,
     gpu::{
         Binding, Commands, Device,
-        bindings::layout,
+        bindings::{constant, layout},
         commands::{colored, deep},
         pipeline::{DEPTH_FORMAT, Recipe},
     },
@@ -81,7 +81,6 @@ use crate::{
     renderer::Renderer,
     strands::GuideBuffers,
 };
-use wgpu::util::DeviceExt;
 
 /// A layer over a frame.
 #[derive(Clone, Copy, Debug)]
@@ -324,15 +323,6 @@ impl Canvas<'_, '_> {
     fn grid(&self, grid: &GridView<'_>) -> wgpu::Buffer {
         constant(self.device, "grid", &grid.uniform())
     }
-}
-
-/// Creates a uniform buffer that never changes.
-fn constant<T: bytemuck::Pod>(device: &wgpu::Device, label: &str, value: &T) -> wgpu::Buffer {
-    device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some(label),
-        contents: bytemuck::bytes_of(value),
-        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE,
-    })
 }
 
 /// Creates the pipeline that draws meshes into depth only.

@@ -4,11 +4,13 @@
 use crate::{
     Context, Result,
     constants::STRAND_WORKGROUP,
-    gpu::{Binding, Commands, Kernel, bindings::layout},
+    gpu::{
+        Binding, Commands, Kernel,
+        bindings::{constant, layout},
+    },
     light::{HairView, fiber::FiberTables},
     shaders::kernels::light as kernels,
 };
-use wgpu::util::DeviceExt;
 
 /// One part of the light on hair. The terms from [`Reflection`](Self::Reflection) to [`Multiple`](Self::Multiple) add
 /// up to [`Direct`](Self::Direct). `Direct` and [`Sky`](Self::Sky) add up to all light.
@@ -59,11 +61,7 @@ impl Terms {
         let Context { device, .. } = context;
         let which = layout(device, "term", wgpu::ShaderStages::COMPUTE, &[Binding::Uniform]);
         let groups = Term::ALL.map(|term| {
-            let uniform = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some("term"),
-                contents: bytemuck::cast_slice(&[term as u32, 0, 0, 0]),
-                usage: wgpu::BufferUsages::UNIFORM,
-            });
+            let uniform = constant(device, "term", &[term as u32, 0, 0, 0]);
             device.group("term", &which, &[uniform.as_entire_binding()])
         });
         let shared = [&which, &FiberTables::layout(device)];

@@ -11,6 +11,7 @@ use crate::{
 };
 use glam::{Mat4, Quat, UVec3, Vec3, Vec4};
 use half::f16;
+use wgpu::util::DeviceExt;
 
 /// Creates a texture of `n`³ texels whose value at texture coordinate `c` is `f(c)`.
 fn texture(context: &Context, n: u32, f: impl Fn(Vec3) -> Vec4) -> wgpu::TextureView {

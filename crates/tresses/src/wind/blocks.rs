@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     Context,
-    gpu::{BindBuffer, Uniform},
+    gpu::{BindBuffer, Uniform, bindings::constant},
     shaders::kernels::wind as kernels,
 };
 use bytemuck::Zeroable;
@@ -37,11 +37,7 @@ pub(super) fn solve(
         [(); 2].map(|()| ["air pressure a", "air pressure b"].map(|label| view(label, Rgba32Float, half)));
     let [give_x, give_y, give_z] = &gives;
     let u = uniforms.part(0, Some(size_of::<WindUniforms>() as u64));
-    let half_of = |half: HalfSweep| {
-        let buffer = context.device.uniform(size_of::<HalfSweep>());
-        buffer.write(0, bytemuck::bytes_of(&half));
-        buffer
-    };
+    let half_of = |half: HalfSweep| constant(&context.device, "air half", &half);
     let relax = |sweep: Sweep, color: usize| {
         let odd = sweep.odd();
         let half = half_of(sweep.half(color));

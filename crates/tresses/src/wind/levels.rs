@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     Context,
-    gpu::{BindBuffer, Buffer, Uniform},
+    gpu::{BindBuffer, Buffer, bindings::constant},
     shaders::kernels::wind as kernels,
 };
 
@@ -144,18 +144,15 @@ impl Binder<'_> {
         Dispatch { kernel, group, workgroups: [tiles; 3], is_stepped: false }
     }
 
-    fn uniform(&self, level: usize, what: AirLevel) -> Uniform {
+    fn uniform(&self, level: usize, what: AirLevel) -> wgpu::Buffer {
         let cells = self.levels[level].cells;
         let coarse = self.levels.get(level + 1).map_or(0, |level| level.cells);
         let inside = if level == 0 { cells - 1 } else { cells };
-        let uniform = AirLevel { cells, inside, coarse, ..what };
-        let buffer = self.context.device.storage_uniform(size_of::<AirLevel>());
-        buffer.write(0, bytemuck::bytes_of(&uniform));
-        buffer
+        constant(&self.context.device, "air level uniform", &AirLevel { cells, inside, coarse, ..what })
     }
 
     /// Binds `level` with its pressures `from`, and the solution of the next coarser level.
-    fn tile<'a>(&'a self, uniform: &'a Uniform, level: usize, from: usize) -> kernels::Tile<'a> {
+    fn tile<'a>(&'a self, uniform: &'a wgpu::Buffer, level: usize, from: usize) -> kernels::Tile<'a> {
         let Level { equations, pressures, .. } = &self.levels[level];
         let coarsest = self.levels.len() - 1;
         let next = (level + 1).min(coarsest);
@@ -174,7 +171,28 @@ impl Binder<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wind::params::{MAX_CELLS, MIN_CELLS};
+    use crate::{
+        gpu::{Tier, grid::grid_texture, noop},
+        wind::{
+            Air,
+            params::{MAX_CELLS, MIN_CELLS},
+        },
+    };
+    use glam::Vec3;
+
+    /// A free slot is reused, so its values would change.
+    #[test]
+    fn kernels_read_no_slot_that_is_free() {
+        for software in [true, false] {
+            let context = noop();
+            let context = context.clone().with_tier(Tier { software, ..context.tier() });
+            let hair = grid_texture(&context.device, "hair", wgpu::TextureFormat::Rgba16Float, [1; 3]).1;
+            let _air = Air::new(&context, 32, (Vec3::ZERO, 1.0), &hair).unwrap();
+            assert_eq!(context.device.uniforms.free_slots(), 0, "software: {software}");
+            drop(context.device.uniform(16));
+            assert_eq!(context.device.uniforms.free_slots(), 1);
+        }
+    }
 
     /// Pairs of cells make up the next level, and the coarsest fits into one workgroup.
     #[test]

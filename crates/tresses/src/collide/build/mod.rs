@@ -33,7 +33,7 @@ use super::SolidBounds;
 use crate::{
     Context, Error, Result,
     constants::BUILD_WORKGROUP,
-    gpu::{BindBuffer, Kernel, readback},
+    gpu::{BindBuffer, Kernel, bindings::constant, readback},
     groom::{
         SdfGrid,
         mesh::{Bvh, SdfOptions, TriMesh, sdf},
@@ -247,11 +247,7 @@ impl<'a> Job<'a> {
         for begin in (0..count).step_by(PART as usize) {
             let end = count.min(begin + PART);
             let params = BuildParams { begin, end, jump, ..self.params };
-            let params = self.context.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some("field builder"),
-                contents: bytemuck::bytes_of(&params),
-                usage: wgpu::BufferUsages::UNIFORM,
-            });
+            let params = constant(&self.context.device, "field builder", &params);
             let group = bind(kernels::Tree {
                 params: params.entire(),
                 nodes: self.nodes.entire(),

@@ -20,7 +20,7 @@ use crate::{
     Context, Error, Result,
     gpu::{
         Binding, Device,
-        bindings::layout,
+        bindings::{constant, layout},
         pipeline::{PipelineCache, Recipe},
     },
 };
@@ -187,12 +187,7 @@ impl ImportedShadows {
         let imported = applicable.map(|shadow| {
             let map = lights.directional[..shadow.light].iter().filter(|light| light.is_on()).count();
             let values = SceneUniform::new(shadow, matrices[map], (range, resolution));
-            use wgpu::util::DeviceExt;
-            let uniform = pipelines.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some("scene shadow"),
-                contents: bytemuck::bytes_of(&values),
-                usage: wgpu::BufferUsages::UNIFORM,
-            });
+            let uniform = constant(&pipelines.device, "scene shadow", &values);
             let depth = wgpu::BindingResource::TextureView(shadow.depth);
             let bound = [uniform.as_entire_binding(), depth];
             (map, pipelines.device.group("scene shadow", &pipelines.layout, &bound))
