@@ -25,7 +25,7 @@ pub enum ResourceKind {
 /// Resource of a shader: bind group, binding, kind.
 pub type Resource = (u32, u32, ResourceKind);
 
-/// What a driver reports of a kernel.
+/// Statistics that a driver reports of a kernel.
 #[derive(Clone, Debug, Default)]
 pub struct Statistics {
     /// Threads that run in lockstep.

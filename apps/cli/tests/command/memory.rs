@@ -52,7 +52,7 @@ fn growth(frames: u32, samples: u32, leak: u32) -> Option<[i64; 2]> {
     Some([grown, if told.contains(SOFTWARE) { MAX_GROWTH } else { MAX_GPU_GROWTH }])
 }
 
-/// What a child prints on a software driver.
+/// Line that a child prints on a software driver.
 const SOFTWARE: &str = "on a software driver";
 
 /// Sequence of debug views, with normal renders in between.

@@ -25,7 +25,7 @@ pub(super) struct Grids {
     pub bytes: u64,
 }
 
-/// The dispatches before those of the pressure.
+/// The dispatches before the pressure solve.
 #[derive(Debug)]
 pub(super) struct Advection {
     /// Once per step.
@@ -65,7 +65,7 @@ impl Grids {
         }
     }
 
-    /// Binds the kernels before those of the pressure. [`Air::new`](super::Air::new) describes `hair_grid`.
+    /// Binds the kernels before the pressure solve. [`Air::new`](super::Air::new) describes `hair_grid`.
     pub fn advection(
         &self,
         pipelines: &Pipelines,

@@ -37,7 +37,7 @@
 //!   Twelve at a constant 1.5 left up to 0.8 %, although the air moved less far per step.
 //! - **Pressure on a GPU** (`levels`). There each dispatch costs microseconds, whatever it does. At 32³ a step has 6
 //!   dispatches instead of 22: `obstacles`, `predict`, `correct` and one cycle of multigrid. `smooth_level` damps the
-//!   rough errors in tiles of 8³ cells in workgroup memory, and gives what is left to a grid of 16³. `coarse_solve`
+//!   rough errors in tiles of 8³ cells in workgroup memory, and restricts the residual to a grid of 16³. `coarse_solve`
 //!   solves that in one workgroup. `smooth_project` interpolates the correction, damps the errors that this causes, and
 //!   projects. A smoothing is three Jacobi steps with the damping of a Chebyshev polynomial, and needs no dispatch per
 //!   step: a workgroup also computes the four cells around its tile. Responses of coarse faces are sums of fine ones,

@@ -166,7 +166,7 @@ pub(crate) struct HalfSweep {
     pub relaxation: f32,
 }
 
-/// Uniforms of a multigrid kernel: the level that it processes, and what it does there. Flags are 0 or 1.
+/// Uniforms of a multigrid kernel: its level, and the parts of its work. Flags are 0 or 1.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct AirLevel {

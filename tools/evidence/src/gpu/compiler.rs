@@ -26,7 +26,7 @@ struct Driver {
     maker: &'static str,
     /// Name of its description file.
     file: &'static str,
-    /// Name of the library that stands in for the device.
+    /// Name of the library that replaces the device.
     shim: &'static str,
     chip: ChipName,
 }
@@ -85,7 +85,7 @@ pub struct KernelStats {
     pub throughput: u64,
 }
 
-/// What became of compiling for a chip.
+/// Result of compiling for a chip.
 pub enum Compilation {
     /// Its kernels.
     Kernels(CompiledKernels),

@@ -12,7 +12,7 @@ pub struct Constants {
     /// Milliseconds to aim for on the main chip, by the beginning of a scene's name.
     goals: BTreeMap<String, f64>,
     /// Where the atomics of a kernel land.
-    pub atomics: BTreeMap<String, Place>,
+    pub atomics: BTreeMap<String, AtomicPattern>,
     /// Used part of the memory lines of a kernel's bytes.
     pub lines: BTreeMap<String, f64>,
     texels: BTreeMap<String, TexelLoads>,
@@ -50,10 +50,10 @@ pub struct Chip {
 /// Where the atomics of a kernel land.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 #[serde(rename_all = "lowercase")]
-pub enum Place {
+pub enum AtomicPattern {
     /// All on one word, or a few.
     Word,
-    /// Those of a wave on one memory line.
+    /// Atomics of a wave on one memory line.
     Line,
     /// Elsewhere.
     Scattered,
@@ -75,7 +75,7 @@ struct Tables {
     chips: Vec<String>,
     goals: BTreeMap<String, f64>,
     constants: BTreeMap<String, Constant>,
-    atomics: BTreeMap<String, Place>,
+    atomics: BTreeMap<String, AtomicPattern>,
     lines: BTreeMap<String, f64>,
     texels: BTreeMap<String, TexelLoads>,
 }

@@ -44,7 +44,7 @@ const KNOWN: [(&str, &str, u32); 13] = [
 fn known(chip: &CompiledKernels, kernel: &KernelStats) -> u32 {
     let maker = chip.chip.split(':').next();
     let found = KNOWN.iter().find(|(of, name, _)| maker == Some(of) && kernel.name.starts_with(name));
-    found.map_or(0, |(.., most)| *most)
+    found.map_or(0, |(.., max_spills)| *max_spills)
 }
 
 /// Compiles all kernels for each chip. Leaves out those without a driver that knows them, and returns the reasons.
@@ -122,14 +122,14 @@ mod tests {
 
     #[test]
     fn check_allows_known_spills_on_chips_of_their_maker() {
-        let (maker, name, most) = KNOWN[0];
+        let (maker, name, max_spills) = KNOWN[0];
         let chip = |maker: &str, spilled| CompiledKernels {
             chip: format!("{maker}:x"),
             kernels: vec![KernelStats { name: format!("{name}8"), spilled, ..Default::default() }],
             ..Default::default()
         };
-        assert!(check(&[chip(maker, most)]).is_ok());
-        assert!(check(&[chip(maker, most + 1)]).is_err());
+        assert!(check(&[chip(maker, max_spills)]).is_ok());
+        assert!(check(&[chip(maker, max_spills + 1)]).is_err());
         assert!(check(&[chip("amd", 1)]).is_err());
     }
 }

@@ -10,7 +10,7 @@
 
 use super::{
     compiler::KernelStats,
-    constants::{Chip, Constants, Place},
+    constants::{AtomicPattern, Chip, Constants},
 };
 use crate::roofline::{CommandWork, expected::expected};
 use anyhow::{Context, Result};
@@ -32,7 +32,7 @@ pub struct CountedFrame {
     pub scene: String,
     /// Its dispatches and draws, in order.
     pub commands: Vec<CountedCommand>,
-    /// What else it recorded, by stage.
+    /// Other recorded counts, by stage.
     pub recorded: BTreeMap<String, RecordedCounts>,
     /// Writes to buffers through the queue.
     pub uploads: u32,
@@ -40,7 +40,7 @@ pub struct CountedFrame {
     pub read_backs: u32,
 }
 
-/// What a stage recorded, besides its dispatches and draws.
+/// Counts that a stage recorded, besides its dispatches and draws.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub struct RecordedCounts {
     /// Indirect dispatches.
@@ -124,8 +124,8 @@ fn add(sum: &mut Terms, other: &Terms) {
     other.iter().for_each(|(term, seconds)| *sum.entry(term).or_default() += seconds);
 }
 
-/// Formats the shares of terms in percent, the largest first.
-fn shares(terms: &Terms) -> String {
+/// Formats the percentages of terms, the largest first.
+fn percentages(terms: &Terms) -> String {
     let sum: f64 = terms.values().sum();
     let mut shares: Vec<_> =
         terms.iter().map(|(term, seconds)| (100.0 * seconds / sum.max(1e-12), term)).collect();
@@ -164,8 +164,8 @@ impl<'a> Model<'a> {
         }
         for command in inputs.frames.iter().flat_map(|frame| &frame.commands).filter(|it| it.atomics > 0) {
             let name = command.kernel.as_deref().unwrap_or("a draw");
-            let place = constants.atomics.get(name);
-            place.with_context(|| {
+            let pattern = constants.atomics.get(name);
+            pattern.with_context(|| {
                 format!("{name} has atomics, but {} has no row for them", Constants::FILE)
             })?;
         }
@@ -181,9 +181,9 @@ impl<'a> Model<'a> {
     fn command(&self, command: &CountedCommand, chip: &Chip) -> (f64, &'static str) {
         let name = command.kernel.as_deref().unwrap_or_default();
         let atomics = match self.constants.atomics.get(name) {
-            Some(Place::Word) => chip.word,
-            Some(Place::Line) => chip.line,
-            Some(Place::Scattered) | None => chip.scattered,
+            Some(AtomicPattern::Word) => chip.word,
+            Some(AtomicPattern::Line) => chip.line,
+            Some(AtomicPattern::Scattered) | None => chip.scattered,
         };
         let mut limits = vec![
             (chip.launch, "launch"),
@@ -261,7 +261,7 @@ impl<'a> Model<'a> {
         rows.extend(self.inputs.frames.iter().map(|frame| {
             let times = chips.iter().map(|chip| ms(self.milliseconds(frame, chip)));
             let goal = self.constants.goal(&frame.scene).map_or("-".into(), ms);
-            let more = [goal, shares(&self.terms(frame, main))];
+            let more = [goal, percentages(&self.terms(frame, main))];
             [frame.scene.clone()].into_iter().chain(times).chain(more).collect()
         }));
         rows
@@ -293,7 +293,7 @@ impl<'a> Model<'a> {
         let row = |name: &str, commands: u32, recorded: RecordedCounts, terms: &Terms| {
             let counts = [commands, recorded.indirect, recorded.encoders].map(|count| count.to_string());
             let sum = format!("{:.3}", 1e3 * terms.values().sum::<f64>());
-            [name.to_owned()].into_iter().chain(counts).chain([sum, shares(terms)]).collect::<Vec<_>>()
+            [name.to_owned()].into_iter().chain(counts).chain([sum, percentages(terms)]).collect::<Vec<_>>()
         };
         let mut rows = vec![
             ["stage", "commands", "indirect", "encoders", "ms", "limited by"].map(String::from).to_vec(),
@@ -376,7 +376,7 @@ mod tests {
         Inputs { driver: "a driver".into(), kernels: vec![kernel], frames: vec![frame] }
     }
 
-    /// What limits the command of `inputs`.
+    /// The limit of the command of `inputs`.
     fn limit_with(inputs: &Inputs, constants: &Constants) -> (f64, &'static str) {
         let model = Model::new(inputs, constants).unwrap();
         model.command(&inputs.frames[0].commands[0], model.main_chip())
@@ -386,7 +386,7 @@ mod tests {
         limit_with(
             inputs,
             &constants(|it| {
-                it.atomics.insert(SETTLE.into(), Place::Line);
+                it.atomics.insert(SETTLE.into(), AtomicPattern::Line);
             }),
         )
     }
@@ -419,20 +419,20 @@ mod tests {
     #[test]
     fn atomics_cost_by_where_they_land() {
         let inputs = inputs(64, |command| command.atomics = 10_000_000);
-        let on = |place| {
+        let on = |pattern| {
             limit_with(
                 &inputs,
                 &constants(|it| {
-                    it.atomics.insert(SETTLE.into(), place);
+                    it.atomics.insert(SETTLE.into(), pattern);
                 }),
             )
         };
-        near(on(Place::Line), 100e-6, "atomics");
-        near(on(Place::Word), 250e-6, "atomics");
-        near(on(Place::Scattered), 250e-6, "atomics");
+        near(on(AtomicPattern::Line), 100e-6, "atomics");
+        near(on(AtomicPattern::Word), 250e-6, "atomics");
+        near(on(AtomicPattern::Scattered), 250e-6, "atomics");
         assert!(Model::new(&inputs, &constants(|_| {})).is_err(), "no row for its atomics");
         let apple = constants(|it| {
-            it.atomics.insert(SETTLE.into(), Place::Word);
+            it.atomics.insert(SETTLE.into(), AtomicPattern::Word);
         });
         let model = Model::new(&inputs, &apple).unwrap();
         let seconds = model.command(&inputs.frames[0].commands[0], &apple.chips[3]).0;

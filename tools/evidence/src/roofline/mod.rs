@@ -119,7 +119,7 @@ fn count(
     meter.take(&scene.gpu.context)
 }
 
-/// What a frame asks of a GPU.
+/// Work of a frame on a GPU.
 pub struct FrameWork {
     /// Its dispatches and draws, in order.
     pub commands: Vec<CommandWork>,
