@@ -4,13 +4,14 @@ use crate::{
     ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDepth, HairDetail, HairGroom, HairHairCollision,
     HairMaterial3d, HairPhysics, HairReady, HairSkin, HairView, HairWind, NoHair,
     error_log::ErrorLog,
-    lights::{SceneLight, rgb},
+    lights::{LightComponent, SceneLight, rgb},
     skin::{SkinCache, SkinQueries, SkinState},
 };
 use bevy::{
     camera::visibility::{RenderLayers, VisibilityRange},
-    ecs::entity::EntityHashMap,
+    ecs::entity::{EntityHashMap, EntityHashSet},
     light::{GlobalAmbientLight, LightProbe},
+    log::warn,
     prelude::*,
     render::Extract,
 };
@@ -33,6 +34,7 @@ pub(crate) struct Scene {
     pub colliders: Vec<(Entity, HairCollider, Pose)>,
     /// Distance fields of the colliders, without duplicates.
     pub fields: Vec<Arc<SdfGrid>>,
+    /// Sorted by id.
     pub lights: Vec<SceneLight>,
     /// Reflection probes, sorted by entity.
     pub probes: Vec<SceneSky>,
@@ -244,6 +246,24 @@ pub(crate) fn extract_hair(
     }
 }
 
+/// Adds the visible lights of a kind to `into`. Omits lights with invalid values, and warns about each once.
+fn read_lights<L: LightComponent>(
+    query: &Query<LightQuery<'static, L>>,
+    into: &mut Vec<SceneLight>,
+    invalid: &mut EntityHashSet,
+) {
+    for (entity, component, transform, visible, layers) in query {
+        if !visible.get() {
+            continue;
+        }
+        match SceneLight::new(entity, component, transform, layers.cloned().unwrap_or_default()) {
+            Ok(light) => into.push(light),
+            Err(error) if invalid.insert(entity) => warn!("light {entity} does not light hair: {error}"),
+            Err(_) => {}
+        }
+    }
+}
+
 /// Extracts lights, cameras and probes.
 pub(crate) fn extract_light(
     mut scene: ResMut<Scene>,
@@ -269,22 +289,15 @@ pub(crate) fn extract_light(
     probes: Extract<
         Query<(Entity, &'static EnvironmentMapLight, &'static GlobalTransform, &'static LightProbe)>,
     >,
+    // Lights that were reported as invalid.
+    mut invalid: Local<EntityHashSet>,
 ) {
-    fn shining<'a, L: Component>(
-        lights: &'a Query<LightQuery<'static, L>>,
-        make: fn(Entity, &L, &GlobalTransform, RenderLayers) -> SceneLight,
-    ) -> impl Iterator<Item = SceneLight> + 'a {
-        lights.iter().filter(|(_, _, _, visible, _)| visible.get()).map(
-            move |(entity, light, transform, _, layers)| {
-                make(entity, light, transform, layers.cloned().unwrap_or_default())
-            },
-        )
-    }
     scene.lights.clear();
-    scene.lights.extend(shining(&distant, SceneLight::directional));
-    scene.lights.extend(shining(&points, SceneLight::point));
-    scene.lights.extend(shining(&spots, SceneLight::spot));
-    scene.lights.extend(shining(&rects, SceneLight::rect));
+    read_lights(&distant, &mut scene.lights, &mut invalid);
+    read_lights(&points, &mut scene.lights, &mut invalid);
+    read_lights(&spots, &mut scene.lights, &mut invalid);
+    read_lights(&rects, &mut scene.lights, &mut invalid);
+    scene.lights.sort_by_key(|light| light.light.id);
     scene.cameras.clear();
     for (camera, ambient, sky, layers, view, depth) in &cameras {
         let ambient = match ambient {

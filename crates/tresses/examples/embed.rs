@@ -28,9 +28,10 @@ async fn picture(path: &str) -> Result<(), Box<dyn std::error::Error>> {
     let eye = Vec3::new(0.0, 0.255, 1.12);
     let body = Pose::about(Vec3::ZERO, Quat::from_rotation_y(-0.6));
     let lights = Lights::around(0.0);
-    let [key, rim, ..] = lights.directional;
+    let [(to_key, key), (to_rim, rim)] =
+        [Lights::KEY, Lights::RIM].map(|light| lights.list[light].irradiance_at(Vec3::ZERO));
     let camera = Camera::look_at(eye, Vec3::Y * 0.035, 0.46, SIZE);
-    let lamp = Camera::look_at(4.0 * key.direction, Vec3::ZERO, 0.3, [2048; 2]);
+    let lamp = Camera::look_at(4.0 * to_key, Vec3::ZERO, 0.3, [2048; 2]);
     let [to_camera, to_lamp] = [camera, lamp].map(|eye| eye.projection * eye.view);
 
     // Tresses: a character, a view of it, and the compositing into the renderer's color.
@@ -67,7 +68,7 @@ async fn picture(path: &str) -> Result<(), Box<dyn std::error::Error>> {
     let triangles = mannequin::mesh(mannequin::RESOLUTION).triangles;
     let corners = buffer(bytemuck::cast_slice(&triangles), wgpu::BufferUsages::STORAGE);
     let matrices = [to_camera, to_lamp, body.matrix()];
-    let vectors = [key.direction, key.irradiance, rim.direction, rim.irradiance, eye].map(|v| v.extend(0.0));
+    let vectors = [to_key, key, to_rim, rim, eye].map(|v| v.extend(0.0));
     let scene: Vec<u8> = [bytemuck::cast_slice(&matrices), bytemuck::cast_slice(&vectors)].concat();
     let scene = buffer(&scene, wgpu::BufferUsages::UNIFORM);
     let module = &device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });

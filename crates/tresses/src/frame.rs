@@ -259,9 +259,9 @@ impl Recorder<'_> {
         let shadings = hair_shadings(view, strands, &parts, view.options().renderer.rate())?;
         let hair_views = hair_views(strands, &shadings, &parts);
         bodies.iter().for_each(|body| body.prepare());
-        let lit = view.prepare(picture, &hair_views, &parts);
+        let lit = view.prepare(picture, &hair_views, &parts)?;
         view.mark_light_recorded(&parts);
-        self.merged(|recorder| recorder.cast(&parts, &lit, &hair_views, bodies, (&picture.lights, scene)))
+        self.merged(|recorder| recorder.cast(&parts, &lit, &hair_views, bodies, scene))
     }
 
     /// Records the stages of an image in order.
@@ -279,7 +279,8 @@ impl Recorder<'_> {
             ViewContent::Inside(_, shown) => Some(*shown),
             _ => None,
         };
-        let picture = &inside.map_or(*picture, |shown| shown.picture(picture));
+        let shown = inside.map(|shown| shown.picture(picture));
+        let picture = shown.as_ref().unwrap_or(picture);
         let parts = view.parts(picture.focus, [sets.len(), bodies.len()], inside.is_none());
         // Debug views write a color per vertex.
         let renderer = view.options().renderer;
@@ -295,10 +296,10 @@ impl Recorder<'_> {
 
         self.commands.start();
         bodies.iter().for_each(|body| body.prepare());
-        let lit = view.prepare(picture, &hair_views, &parts);
+        let lit = view.prepare(picture, &hair_views, &parts)?;
         if !shows.is_lit() {
             view.mark_light_recorded(&parts);
-            self.cast(&parts, &lit, visible, bodies, (&picture.lights, shows.shadows()))?;
+            self.cast(&parts, &lit, visible, bodies, shows.shadows())?;
         }
         let canvas = &mut Canvas {
             commands: &mut self.commands,
@@ -308,7 +309,6 @@ impl Recorder<'_> {
             light: &view.light,
             parts: &parts,
             camera: &picture.camera,
-            lights: &picture.lights,
             focus: &picture.focus,
             renderer,
             geometry: Compositor::identity_depth_map(renderer, writes_labels)?,
@@ -360,11 +360,11 @@ impl Recorder<'_> {
         lit: &[crate::light::FrameLight],
         hair: &[HairView<'_>],
         bodies: &[&Body],
-        (lights, scene): (&light::Lights, &[SceneShadow<'_>]),
+        scene: &[SceneShadow<'_>],
     ) -> Result<()> {
         for (part, lit) in parts.iter().zip(lit) {
             let (hair, bodies) = (Part::select(&part.hair, hair), Part::select(&part.bodies, bodies));
-            let scene = part.light.import_shadows(lights, lit, scene)?;
+            let scene = part.light.import_shadows(lit, scene)?;
             part.light.record_shadows(&mut self.commands, lit, &hair, (&bodies, &scene))?;
         }
         self.commands.lap(Stage::Shadow);

@@ -16,7 +16,7 @@ use crate::{
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Per-frame inputs of a view: plain values.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Picture {
     /// The camera.
     pub camera: Camera,
@@ -305,12 +305,16 @@ impl View {
     }
 
     /// Writes the uniforms of a frame. Returns what to record of each part's lighting.
+    ///
+    /// # Errors
+    /// As [`Lights::check`].
     pub(crate) fn prepare(
         &self,
         picture: &Picture,
         hair: &[HairView<'_>],
         parts: &[Part<'_>],
-    ) -> Vec<FrameLight> {
+    ) -> Result<Vec<FrameLight>> {
+        picture.lights.check()?;
         let camera = picture.camera.uniform(self.targets.samples, self.targets.ssaa);
         self.camera.write(0, bytemuck::bytes_of(&camera));
         self.present.prepare(&picture.background, &picture.tone, &self.targets);
@@ -327,7 +331,7 @@ impl View {
             lit.ambient &= part.updates_ambient;
             lit
         };
-        parts.iter().map(lit).collect()
+        Ok(parts.iter().map(lit).collect())
     }
 
     /// Returns the camera's uniform buffer.

@@ -19,7 +19,7 @@ use tresses::{
         orient::{Axis, LengthUnit, OrientationOverride},
         srgb::linear,
     },
-    light::{Directional, Lights, MAX_LIGHTS, Shadows, Sky, Sphere},
+    light::{Light, Lights, Shadows, Sky, Sphere},
     low_level::{
         DebugDisplay, DebugView, DebugViews, Drawing, Hair, HairAsset, HairDescriptor, HairFrame,
         ViewContent, readback::blocking as readback,
@@ -145,7 +145,7 @@ impl ReferenceScene {
     ) -> Result<[Linear; 2]> {
         let scene = dim(self.scene(view, scenes, shading)?);
         let off = Shadows { is_enabled: false, ..scene.shadows };
-        Ok([self.once(scene)?, self.once(Shot { shadows: off, ..scene })?])
+        Ok([self.once(scene.clone())?, self.once(Shot { shadows: off, ..scene })?])
     }
 
     /// Renders the single-scattered radiance of `scene`.
@@ -296,18 +296,14 @@ fn lights(view: &ReferenceView<'_>, scenes: &Scenes) -> Result<Lights> {
         ensure!(view.lights.is_empty(), "{}: an environment map cannot be combined with lights", view.name);
         return Ok(EnvironmentMap::read(map, &Shelf::default())?.lights(&Settings::default().lights));
     }
-    ensure!(view.lights.len() <= MAX_LIGHTS, "{}: too many lights", view.name);
-    let mut directional = [Directional::OFF; MAX_LIGHTS];
-    for (slot, name) in directional.iter_mut().zip(view.lights) {
+    let light = |name: &String| {
         let light = view.groom.lights.get(name).with_context(|| format!("there is no light {name}"))?;
-        *slot = Directional {
-            direction: light.direction_to_light.into(),
-            irradiance: light.irradiance_rgb.into(),
-        };
-    }
+        anyhow::Ok(Light::distant(light.direction_to_light.into(), light.irradiance_rgb.into()))
+    };
+    let list = view.lights.iter().map(light).collect::<Result<_>>()?;
     let sky = if view.environment { scenes.environment_radiance_rgb.into() } else { Vec3::ZERO };
     let sky = Sky { zenith: sky, horizon: sky, ground: sky };
-    Ok(Lights { directional, sky, ..Default::default() })
+    Ok(Lights { list, sky, ..Default::default() })
 }
 
 /// Returns the strands as the reference draws them: uniform cubic B-splines from the first to the last vertex, with

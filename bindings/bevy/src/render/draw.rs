@@ -202,24 +202,25 @@ impl Drawing<'_> {
         into: HostFrame<'_>,
     ) -> Result<()> {
         let Self { characters, scene, scene_camera, camera, exposure, .. } = self;
-        // The library's lights are directional, so evaluate them at the nearest head.
         let foci = Character::foci(characters, camera);
-        let at = foci.nearest.center;
-        let (mut lights, sources, casts) =
-            lights::at(at, &scene.lights, &scene_camera.layers, scene_camera.ambient, *exposure);
-        let around = self.skies.at(at, scene_camera, &scene.probes);
+        let mut lights =
+            lights::visible(&scene.lights, &scene_camera.layers, scene_camera.ambient, *exposure);
+        // There is one environment per image, so evaluate probes at the nearest head.
+        let around = self.skies.at(foci.nearest.center, scene_camera, &scene.probes);
         lights.environment = lights.environment.blended(1.0, &around, *exposure);
+        let casts = lights.list.iter().any(|light| light.casts_shadows);
+        let shadows = self.shadows.of(&lights.list, self.entity, &foci.all);
         let picture = Picture { camera: *camera, lights, ..Default::default() };
         overlays.take_if(|kept| kept.size != camera.size);
         let overlays = self
             .overlays
             .any()
             .then(|| overlays.get_or_insert_with(|| Overlays::new(context.device(), camera.size)));
-        let shade = Shade { strength: self.casts, lights: casts, ..Default::default() };
+        let shade = Shade { strength: self.casts, ..Default::default() };
         let surroundings = HostFrame {
-            shadows: &self.shadows.of(&sources, self.entity, &foci.all),
+            shadows: &shadows,
             geometry: overlays.as_ref().map(|overlays| &overlays.geometry),
-            shade: casts.contains(&true).then_some(shade),
+            shade: casts.then_some(shade),
             ..into
         };
         context.frame(encoder).composite(view, characters, &picture, embed, surroundings)?;

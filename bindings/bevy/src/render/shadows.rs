@@ -5,7 +5,7 @@
 
 use bevy::{ecs::system::SystemParam, prelude::*};
 use tresses::{
-    light::{MAX_LIGHTS, SceneShadow, Sphere},
+    light::{Light, SceneShadow, Sphere},
     low_level::MAX_SCENE_SHADOWS,
 };
 
@@ -38,29 +38,25 @@ const CLOSE: f32 = 0.005;
 const TEXELS: f32 = 1.5;
 
 impl LightShadows<'_, '_> {
-    /// Returns the shadow maps of `lights` that a `camera` needs for `heads`. A light's index in `lights` is its index
-    /// in the library. Omits a cascade if a finer one contains each head completely.
+    /// Returns the shadow maps of `lights` that a `camera` needs for `heads`. Omits a cascade if a finer one contains
+    /// each head completely.
     #[cfg(feature = "pbr")]
-    pub fn of(
-        &self,
-        lights: &[Option<Entity>; MAX_LIGHTS],
-        camera: Entity,
-        heads: &[Sphere],
-    ) -> Vec<SceneShadow<'_>> {
+    pub fn of(&self, lights: &[Light], camera: Entity, heads: &[Sphere]) -> Vec<SceneShadow<'_>> {
         let mut found: Vec<_> = self
             .views
             .iter()
             .filter_map(|(map, view, of)| {
-                let id = &view.retained_view_entity;
-                let light = lights.iter().position(|light| *light == Some(id.main_entity.entity()))?;
-                let is_for_camera = id.auxiliary_entity.is_none_or(|viewer| viewer.entity() == camera);
+                let key = &view.retained_view_entity;
+                let light = crate::lights::id(key.main_entity.entity());
+                let is_for_camera = key.auxiliary_entity.is_none_or(|viewer| viewer.entity() == camera);
+                let is_used = is_for_camera && lights.iter().any(|used| used.id == light);
                 let cascade = matches!(of, LightEntity::Directional { .. });
-                is_for_camera.then_some(((light, id.subview_index), cascade, map, view))
+                is_used.then_some(((light, key.subview_index), cascade, map, view))
             })
             .collect();
         found.sort_by_key(|(key, ..)| *key);
         let mut shadows: Vec<SceneShadow<'_>> = Vec::new();
-        let mut done: Vec<(usize, usize)> = Vec::new();
+        let mut done: Vec<(u32, usize)> = Vec::new();
         for ((light, _), cascade, map, view) in found {
             let DepthStencilViews::DepthOnly { depth_view } = &map.depth_attachment.depth_stencil_views
             else {
@@ -85,13 +81,16 @@ impl LightShadows<'_, '_> {
             );
             shadows.push(SceneShadow { bias: CLOSE + TEXELS * coarsest, ..shadow });
         }
-        shadows.truncate(MAX_SCENE_SHADOWS);
+        if shadows.len() > MAX_SCENE_SHADOWS {
+            warn_once!("hair receives {MAX_SCENE_SHADOWS} of {} shadow maps around it", shadows.len());
+            shadows.truncate(MAX_SCENE_SHADOWS);
+        }
         shadows
     }
 
     /// Returns none: without Bevy's PBR renderer there are no shadow maps.
     #[cfg(not(feature = "pbr"))]
-    pub fn of(&self, _: &[Option<Entity>; MAX_LIGHTS], _: Entity, _: &[Sphere]) -> Vec<SceneShadow<'_>> {
+    pub fn of(&self, _: &[Light], _: Entity, _: &[Sphere]) -> Vec<SceneShadow<'_>> {
         let _ = MAX_SCENE_SHADOWS;
         Vec::new()
     }

@@ -5,6 +5,7 @@ mod cards;
 mod common;
 mod files;
 mod gltf;
+mod lights;
 mod motion;
 mod scene;
 mod shadows;

@@ -5,7 +5,7 @@ use anyhow::{Context, Result, ensure};
 use std::{io::Cursor, path::Path};
 use tresses::{
     glam::Vec3,
-    light::{Directional, Environment, Lights, MAX_LIGHTS, Sky},
+    light::{Environment, Lights, Sky},
 };
 
 /// Maximum number of pixels in an image: 16K by 8K.
@@ -36,17 +36,14 @@ impl EnvironmentMap {
     pub fn lights(&self, settings: &LightSettings) -> Lights {
         let (rotation, strength) = (settings.environment_rotation, settings.environment_strength);
         // `decode` rejects empty images.
-        let (mut environment, suns) =
+        let (mut environment, mut list) =
             Environment::from_equirectangular(self.width, self.height, &self.pixels, rotation)
                 .unwrap_or_default();
         for coefficient in &mut environment.coefficients {
             *coefficient *= strength;
         }
-        let mut directional = [Directional::OFF; MAX_LIGHTS];
-        for (slot, sun) in directional.iter_mut().zip(suns) {
-            *slot = Directional { irradiance: sun.irradiance * strength, ..sun };
-        }
-        Lights { directional, sky: Sky::default(), environment }
+        list.iter_mut().for_each(|sun| sun.intensity = strength);
+        Lights { list, sky: Sky::default(), environment }
     }
 }
 
@@ -115,9 +112,9 @@ mod tests {
             assert!(below.x < 0.15);
             let brighter = read.lights(&LightSettings { environment_strength: 2.0, ..usual });
             assert!((brighter.environment.around(Vec3::Y) / above - 2.0).abs().max_element() < 1e-3);
-            assert!(brighter.directional[0].irradiance.x > 1.9 * lights.directional[0].irradiance.x);
+            assert!(brighter.list[0].strength().x > 1.9 * lights.list[0].strength().x);
             let turned = read.lights(&LightSettings { environment_rotation: 1.0, ..usual });
-            let (before, after) = (lights.directional[0].direction, turned.directional[0].direction);
+            let [before, after] = [&lights, &turned].map(|lights| lights.list[0].irradiance_at(Vec3::ZERO).0);
             let expected = Quat::from_rotation_y(1.0) * before;
             assert!(after.angle_between(expected) < 0.05, "{before} {after}");
         }

@@ -2,7 +2,7 @@
 
 use tresses::{
     glam::Vec3,
-    light::{Directional, Lights},
+    light::{Light, Lights},
 };
 
 /// An additional directional light, fixed in the world.
@@ -24,11 +24,11 @@ impl Default for Lamp {
 
 impl Lamp {
     /// Returns the library's light.
-    pub fn directional(&self) -> Directional {
+    pub fn light(&self) -> Light {
         let (sin, cos) = self.azimuth.sin_cos();
         let (up, level) = self.elevation.sin_cos();
         let direction = Vec3::new(sin * level, up, cos * level);
-        Directional { direction, irradiance: Vec3::splat(self.irradiance) }
+        Light::distant(direction, Vec3::splat(self.irradiance))
     }
 }
 
@@ -78,12 +78,12 @@ impl LightSettings {
     /// it.
     pub fn lights(&self, azimuth: f32, surroundings: Option<&Lights>) -> Lights {
         let mut lights = match surroundings {
-            Some(lights) => *lights,
+            Some(lights) => lights.clone(),
             None => {
                 let azimuth = if self.follow { azimuth } else { 0.0 };
                 let mut lights = Lights::around(azimuth + self.rotation);
-                lights.directional[Lights::KEY].irradiance *= self.key;
-                lights.directional[Lights::RIM].irradiance *= self.rim;
+                lights.list[Lights::KEY].color *= self.key;
+                lights.list[Lights::RIM].color *= self.rim;
                 let sky = &mut lights.sky;
                 for radiance in [&mut sky.zenith, &mut sky.horizon, &mut sky.ground] {
                     *radiance *= self.sky;
@@ -91,13 +91,7 @@ impl LightSettings {
                 lights
             }
         };
-        for (slot, lamp) in lights.directional[2..].iter_mut().zip(&self.lamps) {
-            // Lights extracted from an environment map may occupy this slot, so an additional light that is off leaves
-            // it unchanged.
-            if lamp.irradiance > 0.0 {
-                *slot = lamp.directional();
-            }
-        }
+        lights.list.extend(self.lamps.iter().filter(|lamp| lamp.irradiance > 0.0).map(Lamp::light));
         lights
     }
 }
@@ -121,7 +115,8 @@ mod tests {
         let left = Lamp { azimuth: 90f32.to_radians(), elevation: 0.0, irradiance: 2.0 };
         let lights = LightSettings { lamps: [left, Lamp::default()], ..Default::default() };
         let lights = lights.lights(1.0, Some(&Lights::around(0.0)));
-        assert!((lights.directional[2].direction - Vec3::X).length() < 1e-6, "the head's left is +X");
+        let (direction, _) = lights.list[2].irradiance_at(Vec3::ZERO);
+        assert!((direction - Vec3::X).length() < 1e-6, "the head's left is +X");
         assert_eq!(lights.active().count(), 3);
     }
 }

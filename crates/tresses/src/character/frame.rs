@@ -206,7 +206,7 @@ impl<'a> Frame<'a> {
         };
         let lighting = Lighting::new(characters, &numbers, &picture.camera);
         let picture = match shows.is_lit() {
-            true => Picture { focus: lighting.focus, ..*picture },
+            true => Picture { focus: lighting.focus, ..picture.clone() },
             false => lighting.set(view, characters, bodies.len(), picture),
         };
         let hair: Vec<&Hair> = characters.iter().flat_map(|character| character.grooms()).collect();

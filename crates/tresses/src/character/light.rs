@@ -92,7 +92,7 @@ impl Lighting {
         body_count: usize,
         picture: &Picture,
     ) -> Picture {
-        let picture = Picture { focus: self.focus, ..*picture };
+        let picture = Picture { focus: self.focus, ..picture.clone() };
         match characters.first() {
             Some(Character { hair, bias, .. })
                 if self.zones.is_empty() && hair.lod.options.mode == LodMode::Auto =>

@@ -67,8 +67,6 @@ pub(crate) struct Canvas<'a, 'c> {
     /// Grooms and bodies of each light zone; a single part without zones.
     pub parts: &'a [Part<'a>],
     pub camera: &'a Camera,
-    /// Lights of the frame.
-    pub lights: &'a light::Lights,
     /// Focus of the view. Sets the spacing of the shading points on bodies (`draw::soft`).
     pub focus: &'a Sphere,
     pub renderer: Renderer,

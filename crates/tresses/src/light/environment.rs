@@ -1,7 +1,7 @@
 //! Image-based lighting from an environment map. Spherical harmonics hold the smooth part; bright regions become
-//! directional lights, which cast shadows.
+//! distant lights, which cast shadows.
 
-use super::directional::{Directional, MAX_LIGHTS};
+use super::light::Light;
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::{PI, TAU};
 
@@ -30,12 +30,14 @@ fn basis(d: Vec3) -> [f32; 9] {
 /// Factor of each harmonic in the cosine-weighted mean over a hemisphere (Ramamoorthi and Hanrahan 2001).
 pub(super) const BANDS: [f32; 9] = [1.0, 2.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0, 0.25, 0.25, 0.25, 0.25, 0.25];
 
-/// Cosines of the radius around the brightest pixel that a directional light collects, and of the outer radius of the
+/// Cosines of the radius around the brightest pixel that a distant light collects, and of the outer radius of the
 /// ring that gives the background of the light: 8 and 16 degrees for suns and lamps, 25 and 40 for windows and bright
 /// clouds.
 const CONES: [[f32; 2]; 2] = [[0.990_268, 0.961_262], [0.906_308, 0.766_044]];
 
-/// Minimum fraction of all light in a directional light.
+/// Maximum number of bright regions that become lights.
+const MAX_REGIONS: usize = 4;
+/// Minimum fraction of all light in a distant light.
 const STRONG: f32 = 0.08;
 
 impl Environment {
@@ -95,16 +97,15 @@ impl Environment {
     /// is at the top, the center lies towards +Z, the left and right edges towards -Z, and +X is left of the center
     /// (looking along +Z). `angle` rotates the environment about the vertical, in radians from +Z towards +X.
     ///
-    /// At most [`MAX_LIGHTS`] bright regions, of up to 25 degrees around their middle, become directional lights; their
-    /// light leaves the harmonics, so the total is conserved. Pixels that are not finite count as black. Returns `None`
-    /// when the sizes do not match or are
-    /// 0.
+    /// At most four bright regions, of up to 25 degrees around their middle, become distant lights, whose ids are their
+    /// indices; their light leaves the harmonics, so the total is conserved. Pixels that are not finite count as black.
+    /// Returns `None` when the sizes do not match or are 0.
     pub fn from_equirectangular(
         width: usize,
         height: usize,
         pixels: &[[f32; 3]],
         angle: f32,
-    ) -> Option<(Self, Vec<Directional>)> {
+    ) -> Option<(Self, Vec<Light>)> {
         if width == 0 || height == 0 || pixels.len() != width.checked_mul(height)? {
             return None;
         }
@@ -129,7 +130,7 @@ impl Environment {
         let mut lights = Vec::new();
         let mut cones = CONES.iter();
         let mut cone = cones.next();
-        while let Some([inner, outer]) = cone.filter(|_| lights.len() < MAX_LIGHTS) {
+        while let Some([inner, outer]) = cone.filter(|_| lights.len() < MAX_REGIONS) {
             let brightest =
                 (0..left.len()).max_by(|a, b| left[*a].element_sum().total_cmp(&left[*b].element_sum()))?;
             // The brightest pixel may lie at the edge of a light.
@@ -161,7 +162,8 @@ impl Environment {
                 continue;
             }
             left = rest;
-            lights.push(Directional { direction: to.normalize_or(center), irradiance: sum });
+            let light = Light::distant(to.normalize_or(center), sum);
+            lights.push(light.with_id(lights.len() as u32));
         }
         let mut environment = Self::default();
         for (i, v) in left.iter().enumerate() {
@@ -177,6 +179,10 @@ impl Environment {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn direction(light: &Light) -> Vec3 {
+        light.irradiance_at(Vec3::ZERO).0
+    }
 
     fn picture(f: impl Fn(f32, f32) -> f32) -> Vec<[f32; 3]> {
         (0..64 * 128).map(|i| [f((i % 128) as f32 + 0.5, (i / 128) as f32 + 0.5); 3]).collect()
@@ -241,10 +247,10 @@ mod tests {
         let elevation = PI * (0.5 - 20.0 / 64.0);
         let azimuth = TAU * (0.5 - 40.0 / 128.0);
         let to = Vec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos());
-        assert!(lights[0].direction.dot(to) > 0.9995, "{}", lights[0].direction);
+        assert!(direction(&lights[0]).dot(to) > 0.9995, "{}", direction(&lights[0]));
         // 16 pixels of (π/64)² cos(elevation).
         let flux = 499.7 * 16.0 * (PI / 64.0).powi(2) * elevation.cos();
-        assert!((lights[0].irradiance.x / flux - 1.0).abs() < 0.02, "{}", lights[0].irradiance.x / flux);
+        assert!((lights[0].strength().x / flux - 1.0).abs() < 0.02, "{}", lights[0].strength().x / flux);
         assert!((rest.around(Vec3::Y).x - 0.3).abs() < 2e-3);
     }
 
@@ -259,11 +265,11 @@ mod tests {
         };
         let (rest, lights) = Environment::from_equirectangular(128, 64, &picture(window), 0.0).unwrap();
         assert_eq!(lights.len(), 1);
-        assert!(lights[0].direction.dot(to) > 0.99, "{}", lights[0].direction);
+        assert!(direction(&lights[0]).dot(to) > 0.99, "{}", direction(&lights[0]));
         // All light of the lobe is 2 π 4 / 9.
-        let share = lights[0].irradiance.x / (TAU * 4.0 / 9.0);
+        let share = lights[0].strength().x / (TAU * 4.0 / 9.0);
         assert!((0.3..0.8).contains(&share), "{share}");
-        let whole = rest.around(to).x * PI + lights[0].irradiance.x;
+        let whole = rest.around(to).x * PI + lights[0].strength().x;
         assert!((whole / (0.2 * PI + 0.9 * TAU * 4.0 / 9.0) - 1.0).abs() < 0.05, "{whole}");
         let (_, none) =
             Environment::from_equirectangular(128, 64, &picture(|_, y| f32::from(y < 32.0)), 0.0).unwrap();

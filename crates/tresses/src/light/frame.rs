@@ -23,7 +23,7 @@ pub(super) const HAIR: [Binding; 4] =
     [Binding::Uniform, Binding::Storage, Binding::Storage, Binding::Storage];
 
 /// Parameters of the light passes of a frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct FrameLight {
     /// Whether lights cast shadows.
     pub casts: bool,
@@ -32,6 +32,8 @@ pub(crate) struct FrameLight {
     pub maps: usize,
     /// Edge of a texel of the hair maps, in texels of a depth map.
     pub across: u32,
+    /// Ids of the lights with shadow maps.
+    pub ids: Vec<u32>,
     /// Number of lights with a strand map.
     pub strands: usize,
     /// Limit on the deviation of shadow-casting meshes from the drawn ones, meters.

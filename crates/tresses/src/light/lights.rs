@@ -1,11 +1,8 @@
-//! Lights: up to four directional lights and a sky, in linear units.
+//! Lights: a list, a sky and an environment, in linear units.
 
-use super::{
-    directional::{Directional, MAX_LIGHTS},
-    environment::Environment,
-    shadows::Shadows,
-};
-use crate::{Camera, renderer::ShadowMethod};
+use super::{environment::Environment, light::Light, shadows::Shadows};
+use crate::constants::MAX_LIGHTS;
+use crate::{Camera, Result, renderer::ShadowMethod};
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3, Vec4};
 
@@ -21,10 +18,10 @@ pub struct Sky {
 }
 
 /// All lights of a scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Lights {
-    /// Directional lights, each with a shadow. One without irradiance is off and costs nothing.
-    pub directional: [Directional; MAX_LIGHTS],
+    /// Lights of any shape. Those that give the hair the most light get shadow maps.
+    pub list: Vec<Light>,
     /// Light of the sky.
     pub sky: Sky,
     /// Light of an environment map, in addition to the sky.
@@ -39,27 +36,24 @@ impl Default for Lights {
 }
 
 impl Lights {
-    /// Index of the key light of [`around`](Self::around).
+    /// Index and id of the key light of [`around`](Self::around).
     pub const KEY: usize = 0;
-    /// Index of the rim light of [`around`](Self::around), which outlines the hair from behind.
+    /// Index and id of the rim light of [`around`](Self::around), which outlines the hair from behind.
     pub const RIM: usize = 1;
 
     /// Creates a photographer's lights, which move with the camera: a warm key light from the camera's upper left, a
-    /// cooler rim light from behind on its right, and a dim sky. The other lights are off. `azimuth` is the angle of
+    /// cooler rim light from behind on its right, and a dim sky. `azimuth` is the angle of
     /// the camera around the head, radians, from in front of the face (+Z) towards the head's left (+X).
     pub fn around(azimuth: f32) -> Self {
         let rotation = glam::Quat::from_rotation_y(azimuth);
-        let mut directional = [Directional::OFF; MAX_LIGHTS];
-        directional[Self::KEY] = Directional {
-            direction: rotation * Vec3::new(-0.42, 0.62, 0.66).normalize(),
-            irradiance: Vec3::new(5.6, 5.3, 4.85),
-        };
-        directional[Self::RIM] = Directional {
-            direction: rotation * Vec3::new(0.85, 0.28, -0.45).normalize(),
-            irradiance: Vec3::new(3.1, 3.25, 3.5),
+        let light = |id: usize, direction: Vec3, irradiance| {
+            Light::distant(rotation * direction.normalize(), irradiance).with_id(id as u32)
         };
         Self {
-            directional,
+            list: vec![
+                light(Self::KEY, Vec3::new(-0.42, 0.62, 0.66), Vec3::new(5.6, 5.3, 4.85)),
+                light(Self::RIM, Vec3::new(0.85, 0.28, -0.45), Vec3::new(3.1, 3.25, 3.5)),
+            ],
             sky: Sky {
                 zenith: Vec3::new(0.30, 0.31, 0.33),
                 horizon: Vec3::new(0.24, 0.24, 0.25),
@@ -70,8 +64,16 @@ impl Lights {
     }
 
     /// The lights that are on.
-    pub fn active(&self) -> impl Iterator<Item = &Directional> {
-        self.directional.iter().filter(|light| light.is_on())
+    pub fn active(&self) -> impl Iterator<Item = &Light> {
+        self.list.iter().filter(|light| light.is_on())
+    }
+
+    /// Checks all lights.
+    ///
+    /// # Errors
+    /// As [`Light::check`].
+    pub fn check(&self) -> Result<()> {
+        self.list.iter().try_for_each(Light::check)
     }
 }
 
@@ -107,21 +109,39 @@ impl Sphere {
     }
 }
 
+impl Lights {
+    /// Returns the lights that get shadow maps around `focus`, in the order of the list: those with the most irradiance
+    /// there.
+    pub(crate) fn chosen(&self, focus: &Sphere) -> Vec<Light> {
+        let mut strengths: Vec<_> = self
+            .list
+            .iter()
+            .enumerate()
+            .map(|(i, light)| (light.irradiance_at(focus.center).1.element_sum(), i))
+            .filter(|(strength, _)| *strength > 0.0)
+            .collect();
+        strengths.sort_by(|a, b| b.0.total_cmp(&a.0));
+        strengths.truncate(MAX_LIGHTS as usize);
+        strengths.sort_by_key(|(_, i)| *i);
+        strengths.into_iter().map(|(_, i)| self.list[i]).collect()
+    }
+}
+
 /// See [`crate::constants::SHADOW_MAPS`].
 pub const SHADOW_MAPS: usize = crate::constants::SHADOW_MAPS as usize;
 
-/// Shader data of a light that is on.
+/// Shader data of a light with a shadow map.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct LightUniform {
     /// Unit vector towards the light.
     pub direction: Vec3,
-    /// Unused.
-    pub _pad_a: u32,
-    /// [`Directional::irradiance`].
+    /// [`Light::id`].
+    pub id: u32,
+    /// Irradiance of a surface that faces the light.
     pub irradiance: Vec3,
-    /// Unused.
-    pub _pad_b: u32,
+    /// Whether its shadows fall on meshes and on the host's scene.
+    pub casts_shadows: u32,
 }
 
 /// Shader data of [`Lights`] and [`Shadows`]. Shaders never pass it by value, because a driver may not optimize away
@@ -131,11 +151,11 @@ pub(crate) struct LightUniform {
 pub(crate) struct LightsUniform {
     /// World to clip space of each shadow map: one per light, then the sky. Depth 0 is nearest the light.
     pub shadow: [Mat4; SHADOW_MAPS],
-    /// Lights that are on. Light `i` has map `i`.
-    pub directional: [LightUniform; MAX_LIGHTS],
+    /// Lights with a shadow map. Light `i` has map `i`.
+    pub mapped: [LightUniform; MAX_LIGHTS as usize],
     /// [`Sky::zenith`].
     pub zenith: Vec3,
-    /// Number of lights that are on.
+    /// Number of lights with a shadow map.
     pub count: u32,
     /// [`Sky::horizon`].
     pub horizon: Vec3,
@@ -190,9 +210,10 @@ pub(crate) struct LightsUniform {
 }
 
 impl Lights {
-    /// Returns the shader data for maps of `resolution`² texels that cover `focus`.
+    /// Returns the shader data of the `chosen` lights, for maps of `resolution`² texels that cover `focus`.
     pub(crate) fn uniform(
         &self,
+        chosen: &[Light],
         (shadows, method): (&Shadows, ShadowMethod),
         focus: &Sphere,
         resolution: u32,
@@ -205,16 +226,19 @@ impl Lights {
         let texel = 2.0 * radius / resolution as f32;
         let fit = |direction| fit(direction, focus, step as f32 * texel);
         let mut shadow = [fit(Vec3::Y); SHADOW_MAPS];
-        let mut directional = [LightUniform::zeroed(); MAX_LIGHTS];
-        let count = self.active().count();
-        for (i, light) in self.active().enumerate() {
-            shadow[i] = fit(light.direction);
-            directional[i].direction = light.direction.normalize_or(Vec3::Y);
-            directional[i].irradiance = light.irradiance;
+        let mut mapped = [LightUniform::zeroed(); MAX_LIGHTS as usize];
+        let count = chosen.len();
+        for (i, light) in chosen.iter().enumerate() {
+            let (direction, irradiance) = light.irradiance_at(focus.center);
+            shadow[i] = fit(direction);
+            mapped[i].direction = direction;
+            mapped[i].irradiance = irradiance;
+            mapped[i].id = light.id;
+            mapped[i].casts_shadows = light.casts_shadows.into();
         }
         LightsUniform {
             shadow,
-            directional,
+            mapped,
             count: count as u32,
             zenith: self.sky.zenith,
             horizon: self.sky.horizon,
@@ -284,42 +308,6 @@ mod tests {
     }
 
     #[test]
-    fn point_and_area_lights_match_closed_forms() {
-        let point = Directional::from_point(Vec3::Y * 3.0, Vec3::splat(18.0), Vec3::Y);
-        assert_eq!((point.direction, point.irradiance), (Vec3::Y, Vec3::splat(4.5)));
-        // A square above the place that faces down: seen from there its corners are counter-clockwise.
-        let square = |half: f32, y: f32| {
-            [[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]]
-                .map(|[x, z]| Vec3::new(half * x, y, half * z))
-        };
-        let of = |corners: &[Vec3], place| Directional::from_polygon(corners, Vec3::ONE, place);
-        let near = |found: f32, expected: f32| (found / expected - 1.0).abs() < 2e-3;
-        // A small square is a point light of its area times the cosine; an infinite plane gives as much light as a sky.
-        let below = of(&square(0.01, 2.0), Vec3::ZERO);
-        assert!(below.direction.dot(Vec3::Y) > 0.999 && near(below.irradiance.x, 4e-4 / 4.0), "{below:?}");
-        let aside = of(&square(0.01, 2.0), Vec3::X * 2.0);
-        assert!(near(aside.irradiance.x, 4e-4 / 8.0 * 0.5_f32.sqrt()), "{aside:?}");
-        assert!(near(of(&square(1e4, 2.0), Vec3::ZERO).irradiance.x, std::f32::consts::PI));
-        // A disk, as a polygon of many corners, above the place: pi r² / (r² + d²).
-        let disc: Vec<_> = (0..256)
-            .map(|i| (std::f32::consts::TAU * i as f32 / 256.0).sin_cos())
-            .map(|(s, c)| Vec3::new(1.5 * s, 2.0, 1.5 * c))
-            .rev()
-            .collect();
-        let expected = std::f32::consts::PI * 2.25 / 6.25;
-        assert!(near(of(&disc, Vec3::ZERO).irradiance.x, expected), "{:?} {expected}", of(&disc, Vec3::ZERO));
-        // No light behind the polygon, in its plane, from too few corners, or with NaN.
-        let off = [
-            of(&square(1.0, 2.0), Vec3::Y * 3.0),
-            of(&square(1.0, 2.0), Vec3::new(5.0, 2.0, 0.0)),
-            of(&square(1.0, 2.0)[..2], Vec3::ZERO),
-            of(&[], Vec3::ZERO),
-            of(&square(1.0, 2.0), Vec3::NAN),
-        ];
-        assert!(off.iter().all(|light| !light.is_on()), "{off:?}");
-    }
-
-    #[test]
     fn lights_move_with_the_camera() {
         let front = Lights::default();
         for azimuth in [0.6_f32, 1.5, 3.0] {
@@ -327,7 +315,7 @@ mod tests {
                 (Vec3::new(azimuth.cos(), 0.0, -azimuth.sin()), Vec3::new(azimuth.sin(), 0.0, azimuth.cos()));
             let lights = Lights::around(azimuth);
             for (seen, first) in lights.active().zip(front.active()) {
-                let (seen, first) = (seen.direction, first.direction);
+                let [seen, first] = [seen, first].map(|light| light.irradiance_at(Vec3::ZERO).0);
                 assert!((seen.length() - 1.0).abs() < 1e-5);
                 let at = Vec3::new(seen.dot(right), seen.y, seen.dot(back));
                 assert!((at - first).length() < 1e-5, "{at} {first}");

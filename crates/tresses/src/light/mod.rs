@@ -67,11 +67,12 @@ pub(crate) mod ambient;
 pub(crate) mod ambient_probe;
 pub(crate) mod cards;
 pub(crate) mod cube;
-mod directional;
 mod environment;
 pub(crate) mod fiber;
 mod frame;
 pub(crate) mod hair;
+#[allow(clippy::module_inception)]
+mod light;
 mod lights;
 pub(crate) mod material;
 mod pipelines;
@@ -87,10 +88,10 @@ pub(crate) mod state;
 pub(crate) mod zone;
 
 pub(crate) use ambient::Ambient;
-pub use directional::{Directional, MAX_LIGHTS};
 pub use environment::Environment;
 pub(crate) use frame::FrameLight;
 pub(crate) use hair::{HairSet, HairShading, HairView};
+pub use light::{Light, LightShape};
 pub use lights::{Lights, Sky, Sphere};
 pub use material::{FiberMaterial, HairMaterial};
 pub(crate) use pipelines::Pipelines;

@@ -1,8 +1,9 @@
 //! Evaluates the shadow maps at arbitrary points, for tests and measurements.
 
-use super::{LightState, MAX_LIGHTS, point_query::PointQuery};
+use super::{LightState, point_query::PointQuery};
 use crate::{
     Context, Result,
+    constants::MAX_LIGHTS,
     gpu::{BindBuffer, Kernel},
     shaders::kernels::light as kernels,
 };
@@ -20,7 +21,7 @@ pub struct Shadow {
 
 /// A set of points at which the shadow maps are evaluated.
 #[derive(Debug)]
-pub struct ShadowProbe(PointQuery<[[f32; 2]; MAX_LIGHTS]>);
+pub struct ShadowProbe(PointQuery<[[f32; 2]; MAX_LIGHTS as usize]>);
 
 impl ShadowProbe {
     /// Uploads `points` (meters, at most four million), for evaluation in the maps of `light`. With `eye`, the unit
@@ -49,11 +50,11 @@ impl ShadowProbe {
         self.0.record(encoder)
     }
 
-    /// Reads the results back: for each point one per light that is on, in order.
+    /// Reads the results back: for each point one per light with a shadow map, in order.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
-    pub async fn read(&self) -> Result<Vec<[Shadow; MAX_LIGHTS]>> {
+    pub async fn read(&self) -> Result<Vec<[Shadow; MAX_LIGHTS as usize]>> {
         let results = self.0.read().await?;
         let shadow = |[fibers, solid]: [f32; 2]| Shadow { fibers, solid };
         Ok(results.into_iter().map(|lights| lights.map(shadow)).collect())

@@ -27,7 +27,8 @@ impl LightState {
         let resolution = self.maps.resolution;
         // Without shadows the maps stay empty. Empty deep opacity maps are the cheapest to read.
         let method = if shadows.is_enabled { renderer.shadows() } else { ShadowMethod::DeepOpacity };
-        let mut uniform = lights.uniform((shadows, method), focus, resolution);
+        let chosen = lights.chosen(focus);
+        let mut uniform = lights.uniform(&chosen, (shadows, method), focus, resolution);
         if shadows.computes_ambient() {
             uniform.ambient = self.ambient.cells();
         }
@@ -49,7 +50,8 @@ impl LightState {
         FrameLight {
             casts: shadows.is_enabled,
             method,
-            maps: shadows.map_count(lights.active().count()),
+            maps: shadows.map_count(chosen.len()),
+            ids: chosen.iter().map(|light| light.id).collect(),
             strands: if uniform.strand_map > 0 { uniform.count as usize } else { 0 },
             across: shadows.hair_texels(method, texel),
             stray: texel.min(shadow::STRAY * shadows.bias),
@@ -67,17 +69,10 @@ impl LightState {
     /// As [`ImportedShadows::new`].
     pub(crate) fn import_shadows(
         &self,
-        lights: &Lights,
         lit: &FrameLight,
         shadows: &[SceneShadow<'_>],
     ) -> Result<ImportedShadows> {
-        ImportedShadows::new(
-            &self.pipelines.scene,
-            self.maps.resolution,
-            lights,
-            (&lit.matrices, lit.range, &lit.focus),
-            shadows,
-        )
+        ImportedShadows::new(&self.pipelines.scene, self.maps.resolution, lit, shadows)
     }
 
     /// Records the shadow maps of the lights that are on, and of the sky if its visibility is estimated. They include

@@ -8,14 +8,14 @@
 use glam::Mat4;
 
 use super::{
-    FrameLight, ImportedShadows, MAX_LIGHTS, Pipelines,
+    FrameLight, ImportedShadows, Pipelines,
     lights::{LightsUniform, SHADOW_MAPS},
     shadows::MIN_DEEP_OPACITY_TEXEL,
 };
 use crate::{
     Context, Result,
     body::Body,
-    constants::{COVER_STRANDS, COVER_STRIDE, DEEP_LAYERS, SHADOW_BLOCK as BLOCK, STRAND_WORKGROUP},
+    constants::{COVER_STRANDS, COVER_STRIDE, DEEP_LAYERS, MAX_LIGHTS, SHADOW_BLOCK as BLOCK, STRAND_WORKGROUP},
     gpu::{BindBuffer, Commands, Kernel, Uniform, commands::deep, pipeline::DEPTH_FORMAT},
     renderer::ShadowMethod,
     shaders::kernels::light as kernels,
@@ -113,7 +113,7 @@ impl ShadowMaps {
             "hair in shadow maps",
             SHADOW_MAPS as u64 * map_words(ShadowMethod::DeepOpacity, resolution, MIN_DEEP_OPACITY_TEXEL),
         );
-        let blocks = buffer("hair blocks", block_words(resolution).max(strand_words(MAX_LIGHTS, strand_map)));
+        let blocks = buffer("hair blocks", block_words(resolution).max(strand_words(MAX_LIGHTS as usize, strand_map)));
         let comparison = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("shadow comparison"),
             mag_filter: wgpu::FilterMode::Linear,

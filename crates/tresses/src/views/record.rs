@@ -53,7 +53,7 @@ impl DebugDisplay {
 
     /// Returns the settings of a frame with this view.
     pub(crate) fn picture(&self, picture: &Picture) -> Picture {
-        let mut picture = *picture;
+        let mut picture = picture.clone();
         if self.view.strands().is_some() || self.view == DebugView::Shadow {
             // A color that encodes a value is not tone mapped.
             picture.tone = ToneMap { exposure: 1.0, shoulder: 0.99, desaturation: 0.0 };

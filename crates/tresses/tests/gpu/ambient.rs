@@ -6,7 +6,7 @@ use tresses::{
     Body, Context, Picture, View, ViewOptions,
     glam::{Quat, Vec3},
     groom::{TriMesh, hash::pcg},
-    light::{Directional, Lights, MAX_LIGHTS, Sky, Sphere},
+    light::{Light, Lights, Sky, Sphere},
     low_level::{AmbientProbe, HairSet, IncidentLight},
     renderer::Renderer,
 };
@@ -42,8 +42,7 @@ impl<'a> Bench<'a> {
             ..Default::default()
         };
         let mut scene = Picture { focus: Sphere { center: Vec3::ZERO, radius: HALF }, ..Default::default() };
-        scene.lights =
-            Lights { directional: [Directional::OFF; MAX_LIGHTS], sky: Sky::default(), ..Default::default() };
+        scene.lights = Lights { list: Vec::new(), sky: Sky::default(), ..Default::default() };
         let view = View::new(context, &options, [16, 16], 1).expect("fits");
         Self { view, context, hair: None, body: None, scene }
     }
@@ -64,9 +63,13 @@ impl<'a> Bench<'a> {
     }
 
     fn light(mut self, direction: Vec3) -> Self {
-        self.scene.lights.directional[0] =
-            Directional { direction: direction.normalize(), irradiance: Vec3::splat(std::f32::consts::PI) };
+        self.set_light(direction);
         self
+    }
+
+    fn set_light(&mut self, direction: Vec3) {
+        let irradiance = Vec3::splat(std::f32::consts::PI);
+        self.scene.lights.list = vec![Light::distant(direction.normalize(), irradiance)];
     }
 
     fn ask(&self, points: &[(Vec3, Vec3)]) -> Vec<IncidentLight> {
@@ -357,8 +360,7 @@ fn slow_motion_changes_ambient_light_slowly() {
         .map(|i| {
             let angle = 0.25_f32.to_radians() * i as f32;
             bench.body.as_mut().unwrap().pose.rotation = Quat::from_rotation_y(angle);
-            bench.scene.lights.directional[0].direction =
-                Quat::from_rotation_y(-angle) * Vec3::new(0.3, 0.2, 1.0).normalize();
+            bench.set_light(Quat::from_rotation_y(-angle) * Vec3::new(0.3, 0.2, 1.0));
             bench.ask(&points)
         })
         .collect();

@@ -6,7 +6,7 @@ use common::{context, meter_is_pixel, picture, segments};
 use tresses::{
     Camera, Context, Picture, View, ViewOptions,
     glam::Vec3,
-    light::{HairMaterial, Sphere},
+    light::{HairMaterial, LightShape, Sphere},
     low_level::{HairSet, readback::blocking as readback, unpack_radiance},
     renderer::{ClassicOptions, Renderer, ShadingModel, ShadingRate, ShadowMethod},
 };
@@ -109,14 +109,14 @@ fn light_is_finite_and_linear() {
                 ..Default::default()
             };
             // Includes strands that are collinear with light and eye.
-            scene.lights.directional[0].direction = eye.normalize();
+            scene.lights.list[0].shape = LightShape::Distant { direction: eye.normalize() };
             let shaded = |scene: &Picture| -> Vec<u32> {
                 render(context, &view, scene, &hair);
                 readback::buffer(context, &view.shaded(&hair).unwrap()).expect("values")
             };
             let whole = shaded(&scene);
             let lights = &mut scene.lights;
-            lights.directional.iter_mut().for_each(|light| light.irradiance *= 0.5);
+            lights.list.iter_mut().for_each(|light| light.intensity *= 0.5);
             let sky = &mut lights.sky;
             [&mut sky.zenith, &mut sky.horizon, &mut sky.ground].into_iter().for_each(|part| *part *= 0.5);
             for (whole, half) in whole.into_iter().zip(shaded(&scene)) {
@@ -153,7 +153,7 @@ fn hair_shadows_hair() {
         focus: Sphere { center: Vec3::ZERO, radius: 0.1 },
         ..Default::default()
     };
-    scene.lights.directional[0].direction = Vec3::Z;
+    scene.lights.list[0].shape = LightShape::Distant { direction: Vec3::Z };
     // With two vertices per strand, terms that are nonlinear along a strand cannot agree.
     hair.material.root_darkness = 1.0;
     hair.material.shift_noise = 0.0;

@@ -15,7 +15,7 @@ use tresses::{
             view::look_at_mat4,
         },
     },
-    light::{Directional, Lights, SceneShadow, Sky, Sphere},
+    light::{Light, Lights, SceneShadow, Sky, Sphere},
     low_level::{Drawing, Hair, ViewContent, readback, shade},
     renderer::Renderer,
     wgpu::{self, TextureFormat, util::DeviceExt},
@@ -48,13 +48,13 @@ struct Setup<'a> {
 impl<'a> Setup<'a> {
     fn new(context: &'a Context, direction: Vec3) -> Self {
         let hair = common::hair_on_a_ball(2000);
-        let mut lights = Lights {
-            directional: [Directional::OFF; 4],
+        let off = Light::distant(Vec3::Y, Vec3::ZERO);
+        let lights = Lights {
+            // The first light is off, so the second one has the first map.
+            list: vec![off, Light::distant(direction, Vec3::splat(3.0)).with_id(1)],
             sky: Sky::default(),
             environment: Default::default(),
         };
-        // The second light. The first one is off, so the second one has the first map.
-        lights.directional[1] = Directional { direction, irradiance: Vec3::splat(3.0) };
         let options =
             ViewOptions { renderer: Renderer::tiles(1), shadow_resolution: 256, ..common::coarse() };
         Self {
@@ -154,7 +154,7 @@ fn scene_shadow_maps_keep_light_from_hair() {
     let Some(context) = common::context() else { return };
     // The light is at the eye: left in the image is left in the maps.
     let mut setup = Setup::new(context, Vec3::Z);
-    setup.picture.lights.directional[1].irradiance = Vec3::splat(40.0);
+    setup.picture.lights.list[1].color = Vec3::splat(40.0);
     let free = setup.drawn(&[], 0.0).unwrap();
     let all = 0..SIZE[0] as usize;
     let whole = light(&free, all.clone());
@@ -226,7 +226,7 @@ fn scene_shadow_maps_keep_light_from_hair() {
 fn edge_of_a_coarse_shadow_map_is_straight() {
     let Some(context) = common::context() else { return };
     let mut setup = Setup::new(context, Vec3::Z);
-    setup.picture.lights.directional[1].irradiance = Vec3::splat(40.0);
+    setup.picture.lights.list[1].color = Vec3::splat(40.0);
     setup.picture.shadows.has_ambient = false;
     let free = setup.drawn(&[], 0.0).unwrap();
     // Eight texels of 0.1 m along each edge. Those above the diagonal are covered: a staircase.
@@ -326,18 +326,20 @@ fn hair_casts_shadows_on_the_scene() {
         let [plain, shaded] = [0.0, 1.0].map(|shade| setup.drawn(&[], shade).unwrap());
         assert!(plain == shaded, "what is infinitely far is in no shadow");
     }
-    // The shadow ends at `range` behind the map, and only the selected lights cast it.
+    // The shadow ends at `range` behind the map, and a light may cast none.
     setup.projection = None;
     setup.wall = 2.0;
-    setup.picture.lights.directional[1].direction = Vec3::new(0.25, 0.0, 1.0).normalize();
+    setup.picture.lights.list[1] =
+        Light::distant(Vec3::new(0.25, 0.0, 1.0).normalize(), Vec3::splat(3.0)).with_id(1);
     let plain = setup.drawn(&[], 0.0).unwrap();
     let cast = difference(&plain, &setup.drawn(&[], 1.0).unwrap());
     assert!(cast > 0.2, "{cast}: 2 m away there is a shadow");
     let all = setup.shade;
-    for none in [Shade { range: 0.5, ..all }, Shade { lights: [true, false, true, true], ..all }] {
-        setup.shade = none;
-        assert!(setup.drawn(&[], 1.0).unwrap() == plain, "{none:?}");
-    }
+    setup.shade = Shade { range: 0.5, ..all };
+    assert!(setup.drawn(&[], 1.0).unwrap() == plain, "it ends before the wall");
+    setup.shade = all;
+    setup.picture.lights.list[1].casts_shadows = false;
+    assert!(setup.drawn(&[], 1.0).unwrap() == plain, "the light casts no shadows");
 }
 
 /// Evaluates the shadow function for scene shaders, for light 0, at points of surfaces that face `normal`.

@@ -6,7 +6,7 @@ use tresses::collide::{Collider, Shape};
 use tresses::glam::{DVec3, Mat4, Quat, Vec3, Vec4};
 use tresses::groom::rig::{Animation, Channel, Curve, Property};
 use tresses::groom::{grow::Growth, import::ImportOptions, mannequin::facial::Beard, styles::Style};
-use tresses::light::{Directional, Environment, Lights, MAX_LIGHTS, SceneShadow, Sky};
+use tresses::light::{Environment, Light, Lights, SceneShadow, Sky};
 use tresses::renderer::Renderer;
 use tresses::wgpu::{TextureFormat, TextureUsages};
 use tresses::{
@@ -174,10 +174,9 @@ async fn engine(guide: &Guide) -> Result<()> {
 
     let (mut ann, lamp) = (guide.ann.instance()?, Vec3::new(0.5, 1.0, 1.0));
     let place = ann.focus().center;
-    let mut directional = [Directional::OFF; MAX_LIGHTS];
-    directional[0] = Directional::from_point(lamp, Vec3::splat(3.0), place);
+    let list = vec![Light::point(lamp, Vec3::splat(3.0)).with_id(7)];
     let environment = Environment::uniform(Vec3::splat(0.2));
-    let lights = Lights { directional, environment, sky: Sky::default() };
+    let lights = Lights { list, environment, sky: Sky::default() };
     let camera = Camera::look_at(Vec3::new(0.0, 0.1, 0.9), Vec3::Y * 0.1, 0.5, size);
     let picture = Picture { camera, lights, background: Background::transparent(), ..Default::default() };
 
@@ -199,7 +198,7 @@ async fn engine(guide: &Guide) -> Result<()> {
     let to_lamp = [Camera::look_at(lamp, place, 0.5, [64; 2])].map(|eye| eye.projection * eye.view)[0];
     let geometry = target(tresses.device(), Compositor::GEOMETRY, TextureUsages::COPY_SRC, (size, 1));
     let motion = geometry.create_view(&Default::default());
-    let shadow = SceneShadow { light: 0, depth: &shadow_map, part: None, projection: to_lamp, bias: 0.006 };
+    let shadow = SceneShadow { light: 7, depth: &shadow_map, part: None, projection: to_lamp, bias: 0.006 };
     let into = HostFrame { shadows: &[shadow], shade: Some(Shade::default()), ..into };
     let into = HostFrame { geometry: Some(&motion), ..into };
     tresses.frame(&mut encoder).composite(&mut view, &[&ann], &picture, &embed, into)?;

@@ -11,7 +11,7 @@ use tresses::{
             paint::{Coat, Texture},
         },
     },
-    light::{Directional, Lights, MAX_LIGHTS},
+    light::{Light, Lights},
     renderer::Renderer,
 };
 
@@ -36,8 +36,8 @@ fn paint(base: Texture, relief: [u8; 4], cutout: Option<f32>) -> Paint {
 
 /// Returns the colors at the centers of the image's quarters: upper left, upper right, lower left, lower right.
 fn quarters(context: &Context, body: &Body, light: Vec3) -> [[f32; 3]; 4] {
-    let mut lights = Lights { directional: [Directional::OFF; MAX_LIGHTS], ..common::dark().lights };
-    lights.directional[0] = Directional { direction: light.normalize(), irradiance: Vec3::splat(1.5) };
+    let list = vec![Light::distant(light.normalize(), Vec3::splat(1.5))];
+    let lights = Lights { list, ..common::dark().lights };
     let camera = Camera::look_at(3.0 * Vec3::Z, Vec3::ZERO, 0.62, SIZE);
     let picture = Picture { camera, lights, ..common::dark() };
     let options = ViewOptions { renderer: Renderer::masks(1), ..common::coarse() };

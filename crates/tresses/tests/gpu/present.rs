@@ -6,7 +6,7 @@ use tresses::{
     Background, Body, BodyMaterial, Context, Picture, ToneMap, View, ViewOptions,
     glam::Vec3,
     groom::srgb::linear,
-    light::{Directional, HairMaterial, Lights, MAX_LIGHTS, Shadows, Sky},
+    light::{HairMaterial, Lights, Shadows, Sky},
     low_level::{Drawing, HairSet, readback},
     renderer::{Renderer, ShadingModel},
     wgpu::{
@@ -36,7 +36,7 @@ fn pixels_are_tone_mapped_once() {
     body.material = BodyMaterial { color: Vec3::ZERO, ..Default::default() };
     let sky = Sky { zenith: Vec3::ZERO, horizon: Vec3::ZERO, ground: Vec3::ZERO };
     let unlit = Picture {
-        lights: Lights { directional: [Directional::OFF; MAX_LIGHTS], sky, ..Default::default() },
+        lights: Lights { list: Vec::new(), sky, ..Default::default() },
         shadows: Shadows { has_ambient: false, is_enabled: false, ..Default::default() },
         ..golden::scene()
     };
@@ -45,7 +45,7 @@ fn pixels_are_tone_mapped_once() {
         let options = ViewOptions { renderer, ..common::coarse() };
         let view = View::new(context, &options, golden::SIZE, 1).expect("fits");
         let shown = |radiance: f32, tone: ToneMap| -> Vec<f32> {
-            let scene = Picture { background: Background::flat(Vec3::splat(radiance)), tone, ..unlit };
+            let scene = Picture { background: Background::flat(Vec3::splat(radiance)), tone, ..unlit.clone() };
             let bytes = common::picture(context, &view, &scene, &[&hair], &[&body]);
             bytes.as_chunks::<4>().0.iter().map(|rgba| linear(f32::from(rgba[1]) / 255.0)).collect()
         };

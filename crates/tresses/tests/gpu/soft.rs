@@ -8,7 +8,7 @@ use tresses::{
     Body, Camera, Picture, View, ViewOptions,
     glam::Vec3,
     groom::TriMesh,
-    light::{Directional, Lights, MAX_LIGHTS, Sphere},
+    light::{Light, Lights, Sphere},
     low_level::HairSet,
     renderer::Renderer,
 };
@@ -27,9 +27,8 @@ fn few_shading_points_match_many() {
     let Some(context) = common::context() else { return };
     let hair = HairSet::new(context, &golden::strands(context, 0..golden::COUNT)).expect("fits");
     let body = Body::new(context, &floor());
-    let mut lights = Lights { directional: [Directional::OFF; MAX_LIGHTS], ..Lights::default() };
-    lights.directional[0] =
-        Directional { direction: Vec3::new(0.1, 1.0, 0.2).normalize(), irradiance: Vec3::splat(2.0) };
+    let light = Light::distant(Vec3::new(0.1, 1.0, 0.2).normalize(), Vec3::splat(2.0));
+    let lights = Lights { list: vec![light], ..Lights::default() };
     let picture = Picture {
         camera: Camera::look_at(Vec3::new(0.0, -0.11, 0.4), Vec3::new(0.0, -0.16, 0.06), 0.2, SIZE),
         focus: Sphere { center: Vec3::ZERO, radius: 0.25 },

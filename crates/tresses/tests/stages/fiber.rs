@@ -8,7 +8,7 @@ use tresses::{
     glam::{DVec3, Mat3, Vec3},
     groom::bound::Strand,
     light::{
-        Directional, Environment, FiberMaterial, HairMaterial, Lights, MAX_LIGHTS, Shadows, Sky, Sphere,
+        Environment, FiberMaterial, HairMaterial, Light, Lights, Shadows, Sky, Sphere,
         fiber::{bsdf, far::FarField},
     },
     low_level::{
@@ -116,9 +116,8 @@ impl View1 {
 
 /// Returns a light of irradiance 1 from `direction`, without a sky.
 fn light_from(direction: Vec3) -> Lights {
-    let mut directional = [Directional::OFF; MAX_LIGHTS];
-    directional[0] = Directional { direction, irradiance: Vec3::ONE };
-    Lights { directional, sky: Sky::default(), environment: Environment::default() }
+    let list = vec![Light::distant(direction, Vec3::ONE)];
+    Lights { list, sky: Sky::default(), environment: Environment::default() }
 }
 
 /// Shades one fiber per light with `light::shade`, all with an irradiance of 1.

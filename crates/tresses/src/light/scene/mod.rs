@@ -15,7 +15,7 @@
 //! Rejected: reading the host's maps where hair is shaded, which would add bindings and lookups to every kernel that
 //! reads light, for all users; reprojecting their depth as points, which leaves holes.
 
-use super::{Lights, Sphere, lights::SHADOW_MAPS};
+use super::{FrameLight, Sphere};
 use crate::{
     Context, Error, Result,
     gpu::{
@@ -36,8 +36,8 @@ const DISCONTINUITY: f32 = 0.03;
 /// A shadow map of the host's scene, for one light.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneShadow<'a> {
-    /// Index into [`Lights::directional`]. The map is ignored if that light is off.
-    pub light: usize,
+    /// [`Light::id`](super::Light::id). The map is ignored if that light gets no shadow map.
+    pub light: u32,
     /// Depth as seen from the light: a two-dimensional view of the first mip level (and of one layer of an array), with
     /// one sample per texel and `TEXTURE_BINDING`.
     pub depth: &'a wgpu::TextureView,
@@ -162,8 +162,7 @@ pub(crate) struct ImportedShadows {
 }
 
 impl ImportedShadows {
-    /// Selects the `shadows` that apply to `lights` and to the view's maps of `resolution`² texels. Those have the
-    /// world to clip space transforms `matrices` and a depth of `range` meters, and cover `focus`.
+    /// Selects the `shadows` that apply to the view's maps of `resolution`² texels, which `lit` describes.
     ///
     /// # Errors
     /// [`Error::Parameter`] when there are too many shadows, or when one has several samples, cannot be read by
@@ -171,8 +170,7 @@ impl ImportedShadows {
     pub(super) fn new(
         pipelines: &Pipelines,
         resolution: u32,
-        lights: &Lights,
-        (matrices, range, focus): (&[Mat4; SHADOW_MAPS], f32, &Sphere),
+        lit: &FrameLight,
         shadows: &[SceneShadow<'_>],
     ) -> Result<Self> {
         if shadows.is_empty() {
@@ -182,15 +180,15 @@ impl ImportedShadows {
         if shadows.len() > MAX_SCENE_SHADOWS {
             return Err(wrong("the number of shadow maps of a scene", shadows.len(), "at most 16"));
         }
-        let on = |light: &usize| lights.directional.get(*light).is_some_and(|light| light.is_on());
-        let applicable = shadows.iter().filter(|shadow| on(&shadow.light) && shadow.covers(focus).is_some());
-        let imported = applicable.map(|shadow| {
-            let map = lights.directional[..shadow.light].iter().filter(|light| light.is_on()).count();
-            let values = SceneUniform::new(shadow, matrices[map], (range, resolution));
+        let FrameLight { ids, matrices, range, focus, .. } = lit;
+        let applicable = shadows.iter().filter(|shadow| shadow.covers(focus).is_some());
+        let imported = applicable.filter_map(|shadow| {
+            let map = ids.iter().position(|id| *id == shadow.light)?;
+            let values = SceneUniform::new(shadow, matrices[map], (*range, resolution));
             let uniform = constant(&pipelines.device, "scene shadow", &values);
             let depth = wgpu::BindingResource::TextureView(shadow.depth);
             let bound = [uniform.as_entire_binding(), depth];
-            (map, pipelines.device.group("scene shadow", &pipelines.layout, &bound))
+            Some((map, pipelines.device.group("scene shadow", &pipelines.layout, &bound)))
         });
         let groups: Vec<_> = imported.collect();
         let pipeline = if groups.is_empty() { None } else { Some(pipelines.transfer()?) };

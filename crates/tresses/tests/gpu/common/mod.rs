@@ -16,7 +16,7 @@ use tresses::{
     collide::ColliderDescriptor,
     glam::{Mat4, Quat, Vec3},
     groom::{Groom, SdfGrid, Strands, TriMesh, bind, bound::Strand},
-    light::{Directional, Lights, MAX_LIGHTS, Shadows},
+    light::{Lights, Shadows},
     low_level::{
         Drawing, Hair, HairAsset, HairDescriptor, HairSet, StrandBuffers, StrandVertex, pack_tangent,
         readback::blocking as readback,
@@ -189,7 +189,7 @@ pub const TEXTURE: wgpu::TextureDescriptor<'static> = wgpu::TextureDescriptor {
 /// Returns the settings of an image without lights and shadows, for tests of coverage.
 pub fn dark() -> Picture {
     Picture {
-        lights: Lights { directional: [Directional::OFF; MAX_LIGHTS], ..Lights::default() },
+        lights: Lights { list: Vec::new(), ..Lights::default() },
         shadows: Shadows { is_enabled: false, has_ambient: false, ..Shadows::default() },
         background: Background::transparent(),
         ..Default::default()

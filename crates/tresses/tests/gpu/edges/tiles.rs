@@ -7,7 +7,7 @@ use tresses::{
     Background, Body, Camera, Context, Picture,
     glam::{Quat, Vec2, Vec3},
     groom::bound::Strand,
-    light::{Directional, Sphere},
+    light::{Light, Sphere},
     renderer::Renderer,
 };
 
@@ -191,7 +191,7 @@ fn crowd(context: &Context, count: usize, shown: impl Fn(f32) -> bool, turned: b
         colors.map(|color| Strand { radius: 2e-3, seed: 1, root_color: color, tip_color: color }).collect();
     context.queue().write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&infos));
     let mut view = scene();
-    view.lights.directional[0] = Directional { direction: Vec3::Z, irradiance: Vec3::splat(9.0) };
+    view.lights.list.push(Light::distant(Vec3::Z, Vec3::splat(9.0)));
     studio.picture(&view, &hair).as_flattened().to_vec()
 }
 
@@ -213,11 +213,11 @@ fn crowded_depth_bins_are_sorted() {
 #[test]
 fn image_does_not_depend_on_the_previous_frame() {
     let Some(context) = common::context() else { return };
-    let light = Directional { direction: Vec3::Z, irradiance: Vec3::splat(9.0) };
+    let light = Light::distant(Vec3::Z, Vec3::splat(9.0));
     let from = |eye: Vec3| {
         let camera = Camera::look_at(eye, Vec3::ZERO, 0.4, SIZE);
         let mut scene = Picture { camera, ..scene() };
-        scene.lights.directional[0] = light;
+        scene.lights.list.push(light);
         scene
     };
     let [front, aside, near, far] =

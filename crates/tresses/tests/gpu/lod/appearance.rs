@@ -6,7 +6,7 @@ use tresses::{
     LodMode, LodOptions,
     glam::Vec3,
     groom::{bind, import, styles::Style},
-    light::{Directional, Lights, Sky},
+    light::{Lights, Sky},
     low_level::{Detail, Hair},
 };
 
@@ -142,7 +142,7 @@ fn coarser_light_is_as_bright_at_a_distance() {
             shot.lights = Lights::around(azimuth);
             shot.fits = fits;
             if is_sky {
-                shot.lights.directional.fill(Directional::OFF);
+                shot.lights.list.clear();
                 let Sky { zenith, horizon, ground } = &mut shot.lights.sky;
                 [zenith, horizon, ground].into_iter().for_each(|light| *light *= 4.0);
             }

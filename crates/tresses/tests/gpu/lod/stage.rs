@@ -71,7 +71,7 @@ impl Setup {
         let eye = middle + shot.direction.normalize() * shot.distance;
         let scene = Picture {
             camera: Camera::look_at(eye, middle, shot.fov(radius), [size; 2]),
-            lights: shot.lights,
+            lights: shot.lights.clone(),
             focus: Sphere { center: middle, radius: 1.05 * radius },
             background: Background::transparent(),
             // Linear, without clipping.

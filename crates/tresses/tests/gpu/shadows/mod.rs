@@ -11,7 +11,7 @@ use tresses::{
     Body, Camera, Context, Picture, View, ViewOptions,
     glam::{Quat, Vec3},
     groom::hash::pcg,
-    light::{Directional, Lights, Shadows},
+    light::{Light, Lights, Shadows},
     low_level::{Drawing, HairSet, Shadow, ShadowProbe},
     renderer::{ClassicOptions, Renderer, ShadowMethod},
 };
@@ -21,16 +21,12 @@ const METHODS: [ShadowMethod; 3] =
 
 /// Returns the direction to the key light.
 fn key() -> Vec3 {
-    Lights::default().directional[Lights::KEY].direction
+    Lights::default().list[Lights::KEY].irradiance_at(Vec3::ZERO).0
 }
 
 /// Returns lights of unit irradiance from `directions`.
-fn lights(directions: &[Vec3]) -> [Directional; 4] {
-    let mut lights = [Directional::OFF; 4];
-    for (light, direction) in lights.iter_mut().zip(directions) {
-        *light = Directional { direction: *direction, irradiance: Vec3::ONE };
-    }
-    lights
+fn lights(directions: &[Vec3]) -> Vec<Light> {
+    directions.iter().map(|direction| Light::distant(*direction, Vec3::ONE)).collect()
 }
 
 /// A tangle on the GPU, and points at which shadows are probed.
@@ -76,7 +72,7 @@ impl<'a> Bench<'a> {
 
     /// Returns the number of fibers in front of each point, in light from `direction`.
     fn fibers(&mut self, direction: Vec3, method: ShadowMethod) -> Vec<f32> {
-        self.scene.lights.directional = lights(&[direction]);
+        self.scene.lights.list = lights(&[direction]);
         self.set_method(method);
         self.frame().1.iter().map(|lights| lights[0].fibers).collect()
     }
@@ -324,7 +320,7 @@ fn lights_do_not_affect_each_other() {
     let directions = [key(), Vec3::new(1.0, 0.2, 0.1), Vec3::new(-0.3, 0.1, -1.0), Vec3::new(0.0, 0.9, 0.5)];
     for method in METHODS {
         let alone: Vec<_> = directions.iter().map(|d| bench.fibers(*d, method)).collect();
-        bench.scene.lights.directional = lights(&directions);
+        bench.scene.lights.list = lights(&directions);
         let (_, together) = bench.frame();
         assert!(alone[0] != alone[1], "lights differ");
         for (i, alone) in alone.iter().enumerate() {
@@ -332,8 +328,8 @@ fn lights_do_not_affect_each_other() {
             assert!(together == *alone, "{method:?}: light {i} is disturbed by others");
         }
         // A light that is off leaves no gap.
-        bench.scene.lights.directional = lights(&directions);
-        bench.scene.lights.directional[1] = Directional::OFF;
+        bench.scene.lights.list = lights(&directions);
+        bench.scene.lights.list[1].intensity = 0.0;
         let (_, three) = bench.frame();
         assert!(three.iter().zip(&alone[3]).all(|(lights, alone)| lights[2].fibers == *alone));
     }
@@ -352,7 +348,7 @@ fn bodies_cast_shadows() {
         [at(0.0, 0.06), at(0.0, -0.06), at(0.0, 0.0), at(0.05, -0.06), at(0.039, -0.06), at(0.041, -0.06)];
     let mut bench = Bench::new(context, &tangle, &points);
     bench.body = Some(Body::new(context, &mesh));
-    bench.scene.lights.directional = lights(&[Vec3::Z]);
+    bench.scene.lights.list = lights(&[Vec3::Z]);
     let solid: Vec<_> = bench.frame().1.iter().map(|lights| lights[0].solid).collect();
     assert_eq!(solid[..4], [1.0, 0.0, 0.0, 1.0]);
     assert!(solid[4] <= 0.1 && solid[5] >= 0.9, "{solid:?}");

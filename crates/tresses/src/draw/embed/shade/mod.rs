@@ -28,7 +28,7 @@ use crate::{
         bindings::layout,
         pipeline::{PipelineCache, Recipe, blended},
     },
-    light::{self, MAX_LIGHTS},
+    light,
     shaders,
 };
 use bytemuck::{Pod, Zeroable};
@@ -36,8 +36,9 @@ use glam::{Mat4, Vec3};
 use std::sync::Arc;
 
 /// WGSL for a scene's shaders: `tresses_left_by_hair(light: u32, position: vec3<f32>, normal: vec3<f32>) -> vec3<f32>`
-/// returns, per channel, the fraction of a light that hair lets through to a point of a surface. `light` counts the
-/// lights that are on. `position` (meters) and `normal` (unit) are in the space that hair is drawn in.
+/// returns, per channel, the fraction of a light that hair lets through to a point of a surface. `light` is
+/// [`Light::id`](crate::light::Light::id); the result is 1 for lights without shadows or without a shadow map.
+/// `position` (meters) and `normal` (unit) are in the space that hair is drawn in.
 ///
 /// Its bindings are in `@group(group)`: bind [`View::light_group`](crate::View::light_group) with
 /// [`View::light_layout`](crate::View::light_layout). All other names in the source begin with `package_`, `constants_`
@@ -53,14 +54,12 @@ pub struct Shade {
     pub strength: f32,
     /// Distance behind the hair's shadow maps at which the shadow ends, meters. It fades out over the last quarter.
     pub range: f32,
-    /// Which of [`Lights::directional`](crate::light::Lights::directional) cast shadows of hair.
-    pub lights: [bool; MAX_LIGHTS],
 }
 
 impl Default for Shade {
-    /// Full strength, all lights, and a reach from a head to the floor.
+    /// Full strength, and a reach from a head to the floor.
     fn default() -> Self {
-        Self { strength: 1.0, range: 2.5, lights: [true; MAX_LIGHTS] }
+        Self { strength: 1.0, range: 2.5 }
     }
 }
 
@@ -82,15 +81,13 @@ pub(crate) struct ShadeUniform {
     pub range: f32,
     /// Depth of the scene's background, where nothing was drawn.
     pub nothing: f32,
-    /// One bit per active light: whether hair casts its shadow.
-    pub lights: u32,
+    /// Unused.
+    pub _pad: u32,
 }
 
 impl ShadeUniform {
     fn new(shade: &Shade, canvas: &Canvas<'_, '_>, into: &HostFrame<'_>) -> Self {
         let depth = |z: f32| into.projection.project_point3(Vec3::NEG_Z * z).z;
-        let is_on = canvas.lights.directional.iter().zip(shade.lights).filter(|(light, _)| light.is_on());
-        let bits = is_on.enumerate().map(|(i, (_, casts))| u32::from(casts) << i);
         Self {
             to_eye: into.projection.inverse(),
             to_world: canvas.camera.view.inverse(),
@@ -99,7 +96,7 @@ impl ShadeUniform {
             strength: shade.strength.clamp(0.0, 1.0),
             range: shade.range.max(0.0),
             nothing: if depth(2.0) > depth(1.0) { 1.0 } else { 0.0 },
-            lights: bits.sum(),
+            _pad: 0,
         }
     }
 }
