@@ -6,7 +6,8 @@ use std::{marker::PhantomData, str::FromStr};
 use tresses_scene::{
     Companion, PresetSource, Settings,
     companion_files::{ColorSource, MapSource},
-    knobs::{Flag, Knob, SECTIONS, ValueKind, flags::Assignment, removed, renamed},
+    knobs::{Flag, Knob, SECTIONS, ValueKind, flags::Assignment, light_list, removed, renamed},
+    settings::LightEntry,
     source::{COMPANION_FILES, CompanionKind as Companionship},
 };
 
@@ -30,17 +31,22 @@ impl FlagSet for All {
 #[derive(Clone, Debug, Default)]
 pub struct RowFlags<R> {
     given: Vec<(&'static str, Assignment)>,
+    lights: Vec<LightEntry>,
     rows: PhantomData<R>,
 }
 
 impl<R: FlagSet> RowFlags<R> {
     /// Whether this flag is given.
     pub fn gives(&self, name: &str) -> bool {
-        self.given.iter().any(|(given, _)| *given == name)
+        let is_light = name == light_list::FLAG.name && !self.lights.is_empty();
+        is_light || self.given.iter().any(|(given, _)| *given == name)
     }
 
-    /// Applies the given flags to `settings`.
+    /// Applies the given flags to `settings`. Lights replace those of a preset.
     pub fn apply(&self, settings: &mut Settings) -> Result<()> {
+        if !self.lights.is_empty() {
+            settings.lights.list.clone_from(&self.lights);
+        }
         self.given.iter().for_each(|(_, assigned)| assigned.reset(settings));
         self.given.iter().try_for_each(|(_, assigned)| Ok(assigned.set(settings)?))
     }
@@ -56,6 +62,7 @@ impl<R: FlagSet> Args for RowFlags<R> {
     fn augment_args(command: Command) -> Command {
         let command =
             Self::rows().fold(command, |command, (title, row, flag)| command.arg(argument(title, row, flag)));
+        let command = if R::has(&light_list::FLAG) { command.arg(light_argument()) } else { command };
         // Hidden; an error names the successor.
         removed::FLAGS.iter().fold(command, |command, (name, _)| {
             command.arg(Arg::new(*name).long(*name).hide(true).action(ArgAction::SetTrue))
@@ -81,18 +88,17 @@ impl<R: FlagSet> FromArgMatches for RowFlags<R> {
                     matches.get_many::<String>(flag.name).into_iter().flatten().map(String::as_str).collect()
                 }
             };
-            if texts.len() > flag.times {
-                let (name, count, max_count) = (flag.name, texts.len(), flag.times);
-                let sentence =
-                    format!("--{name} is given {count} times, but at most {max_count} are allowed");
-                return Err(refuse(ErrorKind::TooManyValues, sentence));
-            }
-            for (time, text) in texts.into_iter().enumerate() {
-                let assigned = row.read_flag(text, time);
+            for text in texts {
+                let assigned = row.read_flag(text);
                 given.push((flag.name, assigned.map_err(|clause| refuse(ErrorKind::InvalidValue, clause))?));
             }
         }
-        Ok(Self { given, rows: PhantomData })
+        let lights = match R::has(&light_list::FLAG) {
+            true => matches.get_many::<LightEntry>(light_list::FLAG.name),
+            false => None,
+        };
+        let lights = lights.into_iter().flatten().cloned().collect();
+        Ok(Self { given, lights, rows: PhantomData })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
@@ -122,12 +128,26 @@ fn argument(title: &'static str, row: &'static Knob, flag: Flag) -> Arg {
         "" => arg.action(ArgAction::SetTrue),
         value => arg
             .value_name(value)
-            .action(if flag.times > 1 { ArgAction::Append } else { ArgAction::Set })
-            // A list may begin with a negative number, which is not a flag.
-            .allow_hyphen_values(flag.times > 1)
             .allow_negative_numbers(true)
-            .value_parser(move |text: &str| row.read_flag(text, 0).map(|_| text.to_owned())),
+            .value_parser(move |text: &str| row.read_flag(text).map(|_| text.to_owned())),
     }
+}
+
+/// Creates the flag of the list of lights.
+fn light_argument() -> Arg {
+    let Flag { name, value, about, common, .. } = light_list::FLAG;
+    let title = SECTIONS.iter().find(|section| section.knobs.iter().any(|row| row.path == "lights.key"));
+    Arg::new(name)
+        .long(name)
+        .value_name(value)
+        .help_heading(title.map(|section| section.title))
+        .help(about)
+        .long_help(format!("{about}.\n{}", light_list::flag_help()))
+        .hide_short_help(!common)
+        .action(ArgAction::Append)
+        // A direction may begin with a negative number, which is not a flag.
+        .allow_hyphen_values(true)
+        .value_parser(light_list::one)
 }
 
 /// Parsed flags of companion files: maps, curls, obstacles, environments.

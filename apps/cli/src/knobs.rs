@@ -4,7 +4,11 @@ use crate::say;
 use anyhow::{Result, ensure};
 use tresses_scene::{
     Change,
-    knobs::{SECTIONS, markdown},
+    knobs::{
+        SECTIONS,
+        light_list::{self, LightField},
+        markdown,
+    },
 };
 
 /// Options of `tresses knobs`.
@@ -50,6 +54,24 @@ pub fn run(args: &KnobsArgs) -> Result<()> {
             say!("  {} = {} ({}{cost})", knob.path, knob.text(knob.default()), knob.range());
             say!("      {}", knob.hint);
         }
+    }
+    let matches = |field: &LightField| {
+        let text = format!("{} {} {}", light_list::PATH, field.key, field.hint).to_lowercase();
+        text.contains(&word)
+    };
+    let fields: Vec<_> = light_list::FIELDS.iter().filter(|field| matches(field)).collect();
+    if !fields.is_empty() {
+        say!(
+            "{}List of lights, {}: `tresses render --help` describes --light.",
+            if found { "\n" } else { "" },
+            light_list::PATH
+        );
+        found = true;
+    }
+    for field in fields {
+        let shapes: Vec<_> = field.shapes.iter().map(|shape| shape.name()).collect();
+        say!("  {} ({}): {}", field.key, field.range(), shapes.join(", "));
+        say!("      {}", field.hint);
     }
     ensure!(found, "no parameter has {word} in its name or hint; without a word, all are listed");
     Ok(())

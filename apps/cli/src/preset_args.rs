@@ -2,11 +2,7 @@
 
 use anyhow::{Result, bail};
 use std::{path::PathBuf, str::FromStr};
-use tresses_scene::{
-    Preset, Value,
-    knobs::{self, Knob},
-    preset::Extent,
-};
+use tresses_scene::{Preset, knobs::ParsedSetting, preset::Extent};
 
 /// Options for presets and single parameters.
 #[derive(clap::Args, Clone, Debug, Default)]
@@ -31,8 +27,8 @@ impl PresetArgs {
 
     /// Applies `--set` to `preset`, checks its settings, and writes it to the file of `--save-preset`, if given.
     pub fn finish(&self, preset: &mut Preset) -> Result<()> {
-        for Assignment { knob, value } in &self.assignments {
-            knob.set(&mut preset.settings, *value)?;
+        for Assignment(setting) in &self.assignments {
+            setting.apply(&mut preset.settings)?;
         }
         preset.settings.check()?;
         if let Some(path) = &self.save_preset {
@@ -56,18 +52,13 @@ pub fn open(path: Option<&PathBuf>) -> Result<Preset> {
 
 /// A parameter and its value.
 #[derive(Clone, Debug)]
-struct Assignment {
-    knob: &'static Knob,
-    value: Value,
-}
+struct Assignment(ParsedSetting);
 
 impl FromStr for Assignment {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (path, value) = text.split_once('=').ok_or("expected NAME=VALUE, as in simulation.drag=5")?;
-        let knob = knobs::named(path.trim())?;
-        let value = knob.parse(value).map_err(|error| error.to_string())?;
-        Ok(Self { knob, value })
+        ParsedSetting::parse(path.trim(), value).map(Self)
     }
 }

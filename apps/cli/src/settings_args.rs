@@ -141,20 +141,6 @@ mod tests {
         (&["--shadow-resolution", "512"], &["shadows.resolution"]),
         (&["--shadow-softness", "5"], &["shadows.softness"]),
         (&["--ambient", "off"], &["shadows.ambient"]),
-        (
-            &["--light", "10,20,3"],
-            &["lights.lamp1_strength", "lights.lamp1_azimuth", "lights.lamp1_elevation"],
-        ),
-        (
-            &["--light", "-10,20", "--light", "90,0,4"],
-            &[
-                "lights.lamp1_strength",
-                "lights.lamp1_azimuth",
-                "lights.lamp1_elevation",
-                "lights.lamp2_strength",
-                "lights.lamp2_elevation",
-            ],
-        ),
         (&["--set", "simulation.drag=5"], &["simulation.drag"]),
         (&["--set", "style.frizz=1 mm", "--set", "lights.follow=off"], &["style.frizz", "lights.follow"]),
     ];
@@ -185,6 +171,26 @@ mod tests {
         }
         let calm = parse(&["--preset", file, "--wind", "0"]).unwrap().settings;
         assert_eq!((calm.wind_speed(), calm.lights.rim), (0.0, 2.0));
+    }
+
+    #[test]
+    fn lights_replace_those_of_a_preset() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("lit.toml");
+        let file = path.to_str().unwrap();
+        let words = ["--light", "-10,20", "--light", "90,0,4", "--light", "point position=0.3,0.1,0.2"];
+        let saved = parse(&[&words[..], &["--save-preset", file]].concat()).unwrap();
+        let list = &saved.settings.lights.list;
+        let kinds: Vec<_> = list.iter().map(|light| (light.kind.name(), light.intensity)).collect();
+        assert_eq!(kinds, [("distant", 2.0), ("distant", 4.0), ("point", 1.0)]);
+        assert_eq!(list[0].azimuth, -10f32.to_radians());
+        assert_eq!(parse(&["--preset", file]).unwrap(), saved);
+        let other = parse(&["--preset", file, "--light", "sphere position=0,1,0 radius=0.1"]).unwrap();
+        assert_eq!(other.settings.lights.list.len(), 1);
+        let none = parse(&["--preset", file, "--set", "lights.list="]).unwrap();
+        assert!(none.settings.lights.list.is_empty());
+        let error = format!("{:#}", parse(&["--light", "spot position=0,1,0"]).unwrap_err());
+        assert!(error.contains("a spot light needs target"), "{error}");
     }
 
     #[test]
@@ -244,7 +250,10 @@ mod tests {
             &["--shadows-per-pixel"],
             &["--coverage", "alpha", "--samples", "1"],
             &["--coverage", "peel", "--samples", "4"],
-            &["--light", "1,2", "--light", "1,2", "--light", "1,2"],
+            &["--light", "1,100"],
+            &["--light", "point"],
+            &["--light", "ring position=0,1,1"],
+            &["--set", "lights.lamp1_strength=2"],
             &["--wind", "3", "--wind", "4"],
         ] {
             assert!(parse(words).is_err(), "{words:?}");

@@ -2,18 +2,13 @@
 
 use crate::{messages::Messages, renderer::StudioRenderer, state::State};
 use anyhow::{Context, Result, bail};
-use tresses_scene::{
-    Value,
-    camera::Angle,
-    knobs::{self, Knob},
-    motion::NAMES,
-};
+use tresses_scene::{camera::Angle, knobs::ParsedSetting, motion::NAMES};
 
 /// A command of the host.
 #[derive(Clone, Debug)]
 pub enum Command {
     /// Sets a parameter.
-    Set(&'static Knob, Value),
+    Set(ParsedSetting),
     /// Plays or pauses.
     Playing(bool),
     /// Chooses a built-in motion.
@@ -25,7 +20,8 @@ pub enum Command {
 }
 
 impl Command {
-    /// Parses a command. `name` is `playing`, `motion`, `animation`, `camera`, or the path of a parameter.
+    /// Parses a command. `name` is `playing`, `motion`, `animation`, `camera`, or the path of a parameter
+    /// or of the list of lights.
     ///
     /// # Errors
     /// Fails with one sentence for an unknown name or an invalid value.
@@ -52,12 +48,7 @@ impl Command {
                     angle.with_context(|| format!("there is no camera “{value}”; choose {names}"))?.0,
                 )
             }
-            path => {
-                let knob = knobs::named(path).map_err(anyhow::Error::msg)?;
-                let value = knob.parse(value)?;
-                knob.check(value)?;
-                Self::Set(knob, value)
-            }
+            path => Self::Set(ParsedSetting::parse(path, value).map_err(anyhow::Error::msg)?),
         })
     }
 }
@@ -101,10 +92,10 @@ mod tests {
         assert!(matches!(Command::of("playing", "false").unwrap(), Command::Playing(false)));
         assert!(matches!(Command::of("camera", "side").unwrap(), Command::Camera(Angle::Side)));
         assert!(matches!(Command::of("animation", "").unwrap(), Command::Animation(None)));
-        let Command::Set(knob, value) = Command::of("wind.speed", "3").unwrap() else {
-            panic!("a parameter")
-        };
-        assert_eq!((knob.path, value), ("wind.speed", Value::Number(3.0)));
+        for (path, value) in [("wind.speed", "3"), ("lights.list", "point position=0,0.2,0.4")] {
+            let Command::Set(setting) = Command::of(path, value).unwrap() else { panic!("a parameter") };
+            assert_eq!(setting, ParsedSetting::parse(path, value).unwrap());
+        }
         for (name, value, said) in [
             ("playing", "1", "true or false"),
             ("motion", "fly", "shake"),
@@ -112,6 +103,7 @@ mod tests {
             ("wind.sped", "3", "wind.speed"),
             ("wind.speed", "fast", "fast"),
             ("wind.speed", "-3", "wind.speed"),
+            ("lights.list", "spot", "light 1 of lights.list"),
         ] {
             let error = format!("{:#}", Command::of(name, value).unwrap_err());
             assert!(error.contains(said), "{name}={value}: {error}");

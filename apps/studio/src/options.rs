@@ -4,7 +4,7 @@ use crate::files::Files;
 use anyhow::{Result, anyhow};
 use std::path::PathBuf;
 use tresses::groom::{edit::GroomDocument, import::ImportOptions, styles::Style};
-use tresses_scene::{CompanionFiles, Settings, knobs};
+use tresses_scene::{CompanionFiles, Settings, knobs::ParsedSetting};
 
 /// Options of a studio window.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,8 +44,8 @@ impl Options {
                 options.style = Some(value.parse::<Style>()?.name().into());
                 continue;
             }
-            let knob = knobs::named(name).map_err(|problem| anyhow!(problem))?;
-            knob.parse(value).and_then(|value| knob.set(&mut options.settings, value))?;
+            let setting = ParsedSetting::parse(name, value).map_err(|problem| anyhow!(problem))?;
+            setting.apply(&mut options.settings)?;
         }
         Ok(options)
     }
@@ -59,16 +59,25 @@ mod tests {
     fn query_sets_style_and_parameters() {
         let options = Options::of([("style", "bob"), ("style.strands", "1500")]).unwrap();
         assert_eq!(options.style.as_deref(), Some("bob"));
-        let strands = knobs::find("style.strands").map(|knob| knob.get(&options.settings));
+        let strands = tresses_scene::knobs::find("style.strands").map(|knob| knob.get(&options.settings));
         assert_eq!(strands, Some(tresses_scene::Value::Integer(1500)));
         assert_eq!(Options::of([]).unwrap(), Options::default());
+        let lit = Options::of([("lights.list", "point position=0,0.2,0.4; 90,30")]).unwrap();
+        assert_eq!(lit.settings.lights.list.len(), 2);
     }
 
     #[test]
     fn invalid_query_is_an_error() {
-        for (name, value) in [("style", "mohawk"), ("strands", "10"), ("style.strands", "many")] {
+        for (name, value) in
+            [("style", "mohawk"), ("strands", "10"), ("style.strands", "many"), ("lights.list", "point")]
+        {
             let said = format!("{:#}", Options::of([(name, value)]).unwrap_err());
-            assert!(said.contains(if name == "style" { value } else { "style.strands" }), "{said}");
+            let clause = match name {
+                "style" => value,
+                "lights.list" => "a point light needs position",
+                _ => "style.strands",
+            };
+            assert!(said.contains(clause), "{said}");
         }
     }
 }

@@ -1,6 +1,9 @@
 //! Undo and redo of parameter changes.
 
-use crate::{knobs, settings::Settings};
+use crate::{
+    knobs::{self, light_list},
+    settings::Settings,
+};
 
 /// Maximum number of undo steps.
 const DEPTH: usize = 500;
@@ -82,12 +85,15 @@ impl<H: Clone + PartialEq> History<H> {
     }
 
     /// Replaces the settings. If one parameter differs, the step is named after that parameter and merges into the
-    /// previous step of the same parameter. Otherwise it is a new step named `label`.
+    /// previous step of the same parameter. If only the list of lights differs, the step is named `label` and merges
+    /// into the previous step of the list. Otherwise it is a new step named `label`.
     pub fn change(&mut self, settings: Settings, label: &str) {
-        let mut changed = knobs::all().filter(|knob| knob.get(&settings) != knob.get(&self.now));
-        let Some(first) = changed.next() else { return };
+        let changed = knobs::all().filter(|knob| knob.get(&settings) != knob.get(&self.now));
+        let lights = (settings.lights.list != self.now.lights.list).then_some((light_list::PATH, label));
+        let mut changed = changed.map(|knob| (knob.path, knob.label)).chain(lights);
+        let Some((path, name)) = changed.next() else { return };
         let single = changed.next().is_none();
-        let knob = single.then_some(first.path);
+        let knob = single.then_some(path);
         self.future.clear();
         let goes_on = self.open && knob.is_some() && self.past.last().is_some_and(|step| step.knob == knob);
         self.open = single;
@@ -100,7 +106,7 @@ impl<H: Clone + PartialEq> History<H> {
             }
             return;
         }
-        let label = if single { first.label.to_owned() } else { label.to_owned() };
+        let label = if single { name.to_owned() } else { label.to_owned() };
         let hair = self.hair.clone();
         self.push(Step { settings: before, hair, knob, label });
     }
@@ -179,6 +185,29 @@ mod tests {
         }
         assert_eq!(history.now(), &wind);
         assert!(history.redo().is_none());
+    }
+
+    #[test]
+    fn dragged_light_is_one_step() {
+        use crate::settings::{LightEntry, LightKind};
+        let mut history = History::new(Settings::default(), "bob");
+        let add = with(history.now(), |s| s.lights.list.push(LightEntry::new(LightKind::Point)));
+        history.change(add.clone(), "Add light");
+        history.settle();
+        for x in [0.1, 0.2, 0.3] {
+            let moved = with(history.now(), |s| s.lights.list[0].position.x = x);
+            history.change(moved, "Move light");
+        }
+        history.settle();
+        assert_eq!(history.undoes(), Some("Move light"));
+        // Another parameter at the same time is a step of its own.
+        history.change(with(&Settings::default(), |s| s.lights.key = 2.0), "Preset");
+        assert_eq!(history.undoes(), Some("Preset"));
+        assert_eq!(history.undo().unwrap().lights.list[0].position.x, 0.3);
+        assert_eq!(history.undo(), Some(&add));
+        assert_eq!(history.undo(), Some(&Settings::default()));
+        assert_eq!(history.redoes(), Some("Add light"));
+        assert_eq!(history.redo(), Some(&add));
     }
 
     #[test]

@@ -20,7 +20,7 @@ use tresses::{
     Body, Bounds, Character, CharacterAsset, CharacterOptions, CharacterParts, Gpu, HairOptions, LodMode,
     LodOptions, Picture, Progress, RestOptions, View,
     groom::Look,
-    light::Lights,
+    light::{Light, Lights},
     low_level::{DebugDisplay, DebugViews, Detail, FieldBuilder, PICTURE_FORMAT, Targets},
 };
 
@@ -67,8 +67,10 @@ pub struct Scene {
     /// Environment map that replaces key, rim and sky light, the rotation and strength for which its light was
     /// computed, and that light.
     surroundings: Option<(Arc<EnvironmentMap>, [f32; 2], Lights)>,
-    /// Key, rim and sky light, and additional lights.
+    /// Key, rim and sky light, and the list of additional lights.
     pub lighting: LightSettings,
+    /// Lights that do not come from the settings, such as those of a character's file.
+    pub imported_lights: Vec<Light>,
     colliders: Colliders,
     /// Viewpoint that the level of detail is chosen for.
     watcher: Option<Viewpoint>,
@@ -151,6 +153,7 @@ impl Scene {
             views: None,
             surroundings: None,
             lighting: LightSettings::default(),
+            imported_lights: Vec::new(),
             colliders,
             watcher: None,
             rest: rest_key(settings),
@@ -189,7 +192,7 @@ impl Scene {
         }
         self.character.set_avoidance(settings.avoidance);
         self.character.set_lod(settings.lod());
-        self.lighting = settings.lights;
+        self.lighting.clone_from(&settings.lights);
         if let Some((surroundings, as_then, lights)) = &mut self.surroundings
             && *as_then != environment_parameters(&settings.lights)
         {

@@ -30,7 +30,7 @@ pub struct GroomDescription {
     /// The camera.
     pub camera: PinholeCamera,
     /// Lights by name.
-    pub lights: BTreeMap<String, Light>,
+    pub lights: BTreeMap<String, ReferenceLight>,
     /// Meshes drawn with the hair.
     pub head_parts: Vec<MatteMesh>,
 }
@@ -59,7 +59,7 @@ pub struct PinholeCamera {
 
 /// A directional light.
 #[derive(Debug, Deserialize)]
-pub struct Light {
+pub struct ReferenceLight {
     /// Direction to the light, unit length.
     pub direction_to_light: [f32; 3],
     /// Irradiance on a plane that faces the light, linear.

@@ -105,10 +105,10 @@ impl Studio {
     fn obey(&mut self, command: Command) {
         self.renderer.dirty = true;
         match command {
-            Command::Set(knob, value) => {
+            Command::Set(setting) => {
                 let mut settings = self.document.settings.now().clone();
-                match knob.set(&mut settings, value) {
-                    Ok(()) => self.document.change(settings, knob.label),
+                match setting.apply(&mut settings) {
+                    Ok(()) => self.document.change(settings, setting.label()),
                     Err(error) => self.messages.fail(error),
                 }
             }

@@ -110,7 +110,7 @@ mod tests {
             let (above, below) = (lights.environment.around(Vec3::Y), lights.environment.around(Vec3::NEG_Y));
             assert!((above - Vec3::new(0.5, 0.6, 0.8)).abs().max_element() < 0.05, "{name} {above}");
             assert!(below.x < 0.15);
-            let brighter = read.lights(&LightSettings { environment_strength: 2.0, ..usual });
+            let brighter = read.lights(&LightSettings { environment_strength: 2.0, ..usual.clone() });
             assert!((brighter.environment.around(Vec3::Y) / above - 2.0).abs().max_element() < 1e-3);
             assert!(brighter.list[0].strength().x > 1.9 * lights.list[0].strength().x);
             let turned = read.lights(&LightSettings { environment_rotation: 1.0, ..usual });

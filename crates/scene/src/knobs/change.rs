@@ -63,6 +63,7 @@ impl Settings {
                 Change::Rebuild => changes.rebuild = true,
             }
         }
+        changes.frame |= self.lights.list != before.lights.list;
         // The color of the skin is part of the strands.
         let of_skin = |settings: &Self| settings.shading.color == HairColor::Skin;
         changes.regrow |= of_skin(self) != of_skin(before);

@@ -1,6 +1,6 @@
 //! Generates the documentation page of the parameter table.
 
-use super::{Change, SECTIONS, Value};
+use super::{Change, SECTIONS, Value, light_list};
 use std::fmt::Write;
 
 /// Returns the text of `docs/reference/parameters.md`.
@@ -39,6 +39,9 @@ pub fn markdown() -> String {
                 if knob.advanced { " *Advanced.*" } else { "" },
                 knob.range()
             );
+        }
+        if light_list::PATH.split_once('.').is_some_and(|(key, _)| key == section.key) {
+            page += &light_list::markdown();
         }
     }
     page

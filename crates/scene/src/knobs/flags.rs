@@ -26,8 +26,6 @@ pub struct Flag {
     pub about: &'static str,
     /// Whether the short help text lists the flag.
     pub common: bool,
-    /// Maximum number of occurrences. The second occurrence sets the rows whose names have a 2 instead of the 1.
-    pub times: usize,
     /// Alternatives for the first element; empty for a value of the row.
     first: &'static [FlagValue],
     more: &'static [Slot],
@@ -120,7 +118,7 @@ impl FlagValue {
 
 /// Returns a flag that takes a single value.
 pub(super) const fn flag(name: &'static str, value: &'static str) -> Flag {
-    Flag { name, value, about: "", common: false, times: 1, first: &[], more: &[] }
+    Flag { name, value, about: "", common: false, first: &[], more: &[] }
 }
 
 impl Flag {
@@ -131,11 +129,6 @@ impl Flag {
 
     pub(super) const fn about(mut self, about: &'static str) -> Self {
         self.about = about;
-        self
-    }
-
-    pub(super) const fn times(mut self, times: usize) -> Self {
-        self.times = times;
         self
     }
 
@@ -153,11 +146,11 @@ impl Flag {
 }
 
 impl Knob {
-    /// Parses `text`, the argument of this row's flag. `time` is the index of the flag's occurrence, counted from 0.
+    /// Parses `text`, the argument of this row's flag.
     ///
     /// # Errors
     /// Returns one clause that states the allowed values.
-    pub fn read_flag(&'static self, text: &str, time: usize) -> Result<Assignment, String> {
+    pub fn read_flag(&'static self, text: &str) -> Result<Assignment, String> {
         let Some(flag) = self.flag else { return Err(format!("{} has no flag", self.path)) };
         let own = [value(self.path)];
         let first = if flag.first.is_empty() { &own } else { flag.first };
@@ -181,7 +174,7 @@ impl Knob {
         if texts.next().is_some() {
             return Err(refused());
         }
-        Ok(if time == 0 { assigned } else { assigned.for_occurrence(time) })
+        Ok(assigned)
     }
 
     /// Describes the flag's argument, such as `SPEED[,DEGREES]`, with the range of each element.
@@ -240,18 +233,6 @@ impl Assignment {
     fn add(&mut self, other: Self) {
         self.resets.extend(other.resets);
         self.sets.extend(other.sets);
-    }
-
-    /// Returns the assignments for the rows of the occurrence with index `time`.
-    fn for_occurrence(self, time: usize) -> Self {
-        let other = |path: &str| {
-            let path = path.replace('1', &(time + 1).to_string());
-            find(&path).map_or("", |row| row.path)
-        };
-        Self {
-            resets: self.resets,
-            sets: self.sets.iter().map(|(path, value)| (other(path), *value)).collect(),
-        }
     }
 
     /// Resets the parameters that belong to replaced values. With several flags, reset all before any
@@ -319,7 +300,7 @@ fn fraction_text(percent: f64) -> String {
     ((percent * 1e7).round() / 1e9).to_string()
 }
 
-fn sentence(words: &str) -> String {
+pub(crate) fn sentence(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

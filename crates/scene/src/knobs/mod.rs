@@ -23,11 +23,13 @@ mod avoidance;
 mod change;
 mod document;
 pub mod flags;
+pub mod light_list;
 mod lights;
 mod lod;
 pub mod removed;
 pub mod renamed;
 mod renderer;
+mod setting;
 mod shading;
 mod shadows;
 mod simulation;
@@ -39,6 +41,7 @@ mod wind;
 pub use change::{Change, Changes};
 pub use document::markdown;
 pub use flags::Flag;
+pub use setting::ParsedSetting;
 pub(crate) use style::CURLS;
 pub use text::color;
 pub use value::{Choice, Refusal, SliderScale, Unit, Value, ValueKind};
@@ -228,13 +231,18 @@ pub fn find(path: &str) -> Option<&'static Knob> {
     all().find(|knob| knob.path == path)
 }
 
-/// Returns the row with this path.
+/// Returns the row with this path. The [list of lights](light_list) is no row.
 ///
 /// # Errors
 /// If there is none with this path, names its successor, the row that another program calls so, or the nearest row.
 pub fn named(path: &str) -> Result<&'static Knob, String> {
     if let Some(knob) = find(path) {
         return Ok(knob);
+    }
+    if path == light_list::PATH {
+        return Err(format!(
+            "{path} is a list of lights, not a single value; use --light, or [[{path}]] in a preset"
+        ));
     }
     if let Some(successor) = removed::row(path) {
         return Err(format!("there is no {path}; use {successor}"));

@@ -78,7 +78,7 @@ impl Knob {
 }
 
 /// Parses a number and converts it to `unit`. Lengths may have any length unit.
-fn in_unit(text: &str, unit: Unit) -> Option<f64> {
+pub(super) fn in_unit(text: &str, unit: Unit) -> Option<f64> {
     let number = |text: &str| text.trim().parse::<f64>().ok();
     if LENGTHS.iter().any(|(symbol, _)| *symbol == unit.symbol) {
         let found = LENGTHS.iter().find_map(|(symbol, si)| Some((text.strip_suffix(symbol)?, si)));

@@ -60,6 +60,20 @@ impl Unit {
     const fn of(self, si: f64) -> f64 {
         (si / self.si * 1e6).round() / 1e6
     }
+
+    /// Converts an SI value to this unit, with the fewest digits that convert back to the same value.
+    pub fn shown(self, inner: f32) -> f64 {
+        let exact = f64::from(inner) / self.si;
+        (0..17)
+            .filter_map(|digits| format!("{exact:.digits$e}").parse::<f64>().ok())
+            .find(|rounded| (rounded * self.si) as f32 == inner)
+            .unwrap_or(exact)
+    }
+
+    /// Converts a value in this unit to SI.
+    pub fn inner(self, shown: f64) -> f32 {
+        (shown * self.si) as f32
+    }
 }
 
 pub(super) const PLAIN: Unit = Unit::new("", 1.0);
@@ -204,17 +218,13 @@ impl Knob {
     /// Converts an SI value to the display unit, with the fewest digits that convert back to the same value.
     pub fn shown(&self, inner: f32) -> f64 {
         let ValueKind::Number { unit, .. } = self.kind else { return f64::from(inner) };
-        let exact = f64::from(inner) / unit.si;
-        (0..17)
-            .filter_map(|digits| format!("{exact:.digits$e}").parse::<f64>().ok())
-            .find(|rounded| (rounded * unit.si) as f32 == inner)
-            .unwrap_or(exact)
+        unit.shown(inner)
     }
 
     /// Converts a value in the display unit to SI.
     pub fn inner(&self, shown: f64) -> f32 {
         match self.kind {
-            ValueKind::Number { unit, .. } => (shown * unit.si) as f32,
+            ValueKind::Number { unit, .. } => unit.inner(shown),
             _ => shown as f32,
         }
     }

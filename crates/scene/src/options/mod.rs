@@ -7,7 +7,7 @@ mod style;
 use crate::settings::HairColor;
 use crate::{
     companion_files::Maps,
-    knobs::{self, Refusal},
+    knobs::{self, Refusal, light_list},
     quality::Quality,
     settings::Settings,
 };
@@ -23,6 +23,14 @@ pub enum SettingsError {
     /// A parameter is out of its range.
     #[error(transparent)]
     Knob(#[from] Refusal),
+    /// A light of the list is invalid.
+    #[error("{label}: {problem}")]
+    Light {
+        /// The light, such as `light 2 (Window) of lights.list`.
+        label: String,
+        /// Description, one clause.
+        problem: String,
+    },
     /// An error from the library's own checks.
     #[error(transparent)]
     Library(#[from] tresses::Error),
@@ -36,6 +44,12 @@ impl Settings {
     pub fn check(&self) -> Result<(), SettingsError> {
         for knob in knobs::all() {
             knob.check(knob.get(self))?;
+        }
+        for (i, light) in self.lights.list.iter().enumerate() {
+            light.check().map_err(|(_, problem)| SettingsError::Light {
+                label: light_list::label(i, &light.name),
+                problem,
+            })?;
         }
         Ok(self.check_library()?)
     }

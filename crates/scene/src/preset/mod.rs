@@ -12,14 +12,22 @@
 //!
 //! [wind]
 //! speed = 14 # m/s
+//!
+//! [[lights.list]]
+//! shape = "point"
+//! position = [0.3, 1.6, 0.4] # m
+//! intensity = 2
 //! ```
-//! Tables and keys are the sections and keys of [`knobs`](crate::knobs). Numbers use the units of the knobs; missing
+//! Tables and keys are the sections and keys of [`knobs`](crate::knobs), and the keys of the [list of
+//! lights](crate::knobs::light_list). Numbers use the units of the knobs; missing
 //! keys take their defaults. The optional `[source]` table names the hair. A file with an unknown key or an invalid
 //! value is rejected as a whole, so nothing is applied partially; the error names the line, the key and the allowed
 //! values.
 
+mod lights;
 mod read;
 mod source;
+mod values;
 mod write;
 
 pub use write::Extent;

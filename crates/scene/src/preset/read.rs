@@ -1,8 +1,9 @@
 //! Parses presets.
 
 use super::{
-    Preset, VERSION,
+    Preset, VERSION, lights,
     source::{FILES, MIRROR, TEXTS},
+    values::{Entry, SpannedProblem, entries, one_line, show},
 };
 use crate::{
     knobs::{self, Knob, SECTIONS, Value, ValueKind, color},
@@ -10,10 +11,7 @@ use crate::{
     source::PresetSource,
 };
 use std::{ops::Range, path::PathBuf};
-use toml::{
-    Spanned,
-    de::{DeTable, DeValue},
-};
+use toml::de::{DeTable, DeValue};
 
 /// Problem and the line where it occurs.
 pub(super) struct Problem {
@@ -21,15 +19,12 @@ pub(super) struct Problem {
     pub problem: String,
 }
 
-/// Key, value, and the span of the key in the text.
-type Entry<'a> = (&'a str, &'a DeValue<'a>, Range<usize>);
-
 pub(super) fn read(text: &str) -> Result<Preset, Problem> {
     let line = |at: &Range<usize>| {
         let end = at.start.min(text.len());
         Some(1 + text.as_bytes()[..end].iter().filter(|byte| **byte == b'\n').count())
     };
-    let locate = |(at, problem): (Range<usize>, String)| Problem { line: line(&at), problem };
+    let locate = |(at, problem): SpannedProblem| Problem { line: line(&at), problem };
     let document = DeTable::parse(text).map_err(|error| Problem {
         line: error.span().as_ref().and_then(line),
         problem: one_line(error.message()),
@@ -39,18 +34,7 @@ pub(super) fn read(text: &str) -> Result<Preset, Problem> {
     Ok(preset)
 }
 
-/// Returns the table's entries in file order.
-fn entries<'a>(table: &'a DeTable<'a>) -> Vec<Entry<'a>> {
-    let entry = |(key, value): (&'a Spanned<_>, &'a Spanned<DeValue<'a>>)| {
-        let key: &'a Spanned<std::borrow::Cow<'a, str>> = key;
-        (key.get_ref().as_ref(), value.get_ref(), key.span())
-    };
-    let mut entries: Vec<Entry<'a>> = table.iter().map(entry).collect();
-    entries.sort_by_key(|(_, _, at)| at.start);
-    entries
-}
-
-fn preset(entries: &[Entry]) -> Result<Preset, (Range<usize>, String)> {
+fn preset(entries: &[Entry]) -> Result<Preset, SpannedProblem> {
     let mut preset = Preset::default();
     let mut version = false;
     for (key, value, at) in entries {
@@ -67,6 +51,11 @@ fn preset(entries: &[Entry]) -> Result<Preset, (Range<usize>, String)> {
             }
             ("name", DeValue::String(name)) => preset.name = Some(name.to_string()),
             ("name", found) => return refuse(format!("name is {}, but must be a string", show(found))),
+            ("lights", DeValue::Table(table)) => {
+                let (others, list) = lights::take(&self::entries(table))?;
+                section("lights", &others, &mut preset.settings)?;
+                preset.settings.lights.list = list;
+            }
             ("source", DeValue::Table(table)) => source(&self::entries(table), &mut preset.source)?,
             (key, DeValue::Table(table)) if SECTIONS.iter().any(|section| section.key == key) => {
                 section(key, &self::entries(table), &mut preset.settings)?;
@@ -100,7 +89,7 @@ fn stray(key: &str, found: &DeValue) -> String {
     }
 }
 
-fn section(key: &str, entries: &[Entry], settings: &mut Settings) -> Result<(), (Range<usize>, String)> {
+fn section(key: &str, entries: &[Entry], settings: &mut Settings) -> Result<(), SpannedProblem> {
     for (name, found, at) in entries {
         let path = format!("{key}.{name}");
         let knob = knobs::named(&path).map_err(|problem| (at.clone(), problem))?;
@@ -131,7 +120,7 @@ fn value(knob: &Knob, found: &DeValue) -> Option<Value> {
     })
 }
 
-fn source(entries: &[Entry], source: &mut PresetSource) -> Result<(), (Range<usize>, String)> {
+fn source(entries: &[Entry], source: &mut PresetSource) -> Result<(), SpannedProblem> {
     for (key, found, at) in entries {
         let refuse = |problem: String| Err((at.clone(), problem));
         if let Some((_, files)) = FILES.iter().find(|file| file.0 == *key) {
@@ -186,23 +175,4 @@ fn paths(found: &DeValue) -> Option<Vec<PathBuf>> {
 /// Returns the known name closest to `key`.
 fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     names.min_by_key(|name| strsim::damerau_levenshtein(key, name))
-}
-
-/// Formats a value from the file, shortened.
-fn show(found: &DeValue) -> String {
-    let text = match found {
-        DeValue::String(text) => format!("\"{text}\""),
-        DeValue::Integer(v) => v.to_string(),
-        DeValue::Float(v) => v.to_string(),
-        DeValue::Boolean(v) => v.to_string(),
-        DeValue::Datetime(v) => v.to_string(),
-        DeValue::Array(_) => "a list".into(),
-        DeValue::Table(_) => "a table".into(),
-    };
-    let text = one_line(&text);
-    if text.chars().count() > 60 { text.chars().take(57).chain("...".chars()).collect() } else { text }
-}
-
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

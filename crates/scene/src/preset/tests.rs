@@ -1,5 +1,11 @@
 use super::*;
-use crate::knobs::{self, Change, Knob, Value, ValueKind};
+use crate::{
+    knobs::{
+        self, Change, Knob, Value, ValueKind,
+        light_list::{FIELDS, LightFieldKind},
+    },
+    settings::{LightEntry, LightKind},
+};
 use proptest::prelude::*;
 
 /// Returns an allowed value of `knob`, chosen by three random numbers.
@@ -22,7 +28,52 @@ fn any_value(knob: &Knob, (share, bits, pick): (f64, u32, u8)) -> Value {
     }
 }
 
+/// Any light of the list. Fields that its shape does not have are those of a new light.
+fn any_light() -> impl Strategy<Value = LightEntry> {
+    let numbers = prop::collection::vec((0.0..=1.0f64, any::<u8>(), any::<bool>()), 3 * FIELDS.len());
+    (0..LightKind::ALL.len(), numbers, "[a-z ]{0,8}").prop_map(|(kind, random, name)| {
+        let mut light = LightEntry::new(LightKind::ALL[kind]);
+        for (field, random) in FIELDS.iter().zip(random.chunks(3)) {
+            let (share, byte, on) = random[0];
+            if !field.shapes.contains(&light.kind) {
+                continue;
+            }
+            match &field.kind {
+                // Any float in the range, not only round ones.
+                LightFieldKind::Number { unit, min, max, field: access, .. } if on => {
+                    *(access.get_mut)(&mut light) = unit.inner(min + (max - min) * share);
+                }
+                LightFieldKind::Position(access) => {
+                    let at = [0, 1, 2].map(|i| (random[i].0 * 2000.0 - 1000.0) as f32);
+                    *(access.get_mut)(&mut light) = at.into();
+                }
+                LightFieldKind::Color(access) => *(access.get_mut)(&mut light) = [byte, random[1].1, 7],
+                LightFieldKind::Toggle(access) => *(access.get_mut)(&mut light) = on,
+                LightFieldKind::Text(access) => {
+                    *(access.get_mut)(&mut light) = name.split_whitespace().collect::<Vec<_>>().join(" ");
+                }
+                LightFieldKind::Number { .. } => {}
+            }
+        }
+        if light.kind == LightKind::Spot {
+            light.inner = light.inner.min(light.outer);
+        }
+        if light.kind == LightKind::Disc {
+            light.hole = if light.hole < light.radius { light.hole } else { 0.0 };
+        }
+        light
+    })
+}
+
 fn any_settings() -> impl Strategy<Value = Settings> {
+    let lights = prop::collection::vec(any_light(), 0..4);
+    (any_rows(), lights).prop_map(|(mut settings, list)| {
+        settings.lights.list = list;
+        settings
+    })
+}
+
+fn any_rows() -> impl Strategy<Value = Settings> {
     let count = knobs::all().count();
     prop::collection::vec((0.0..=1.0f64, any::<u32>(), any::<u8>(), any::<bool>()), count).prop_map(
         |random| {
@@ -115,6 +166,121 @@ samples = 4
     let text =
         text.replace("curl_radius = 9 ", "curl_radius = 9.0 ").replace("samples = 4", "samples = \"4\"");
     assert_eq!(Preset::read(&text, "x").unwrap(), preset, "written otherwise");
+}
+
+#[test]
+fn lights_are_written_with_plain_keys_and_units() {
+    let mut preset = Preset::default();
+    let spot = knobs::light_list::one(
+        "spot position=0.3,1.8,0.4 target=0,1.6,0 outer=25 intensity=2 color=#ffaa66 name=Left lamp range=3 \
+         casts_shadows=off",
+    );
+    preset.settings.lights.list = vec![spot.unwrap(), LightEntry::distant(0.0, 0.5, 3.0)];
+    preset.settings.lights.list[1].elevation = 45f32.to_radians();
+    preset.settings.set_wind_speed(5.0);
+    preset.settings.lights.key = 0.5;
+    let text = preset.write(Extent::Changed);
+    let expected = "# Settings of Tresses that differ from the defaults; `tresses knobs` lists all.
+version = 1
+
+[lights]
+key = 0.5 # ×
+
+[[lights.list]]
+shape = \"spot\"
+name = \"Left lamp\"
+position = [0.3, 1.8, 0.4] # m
+target = [0, 1.6, 0] # m
+outer = 25 # °
+color = \"#ffaa66\"
+intensity = 2
+range = 3 # m
+casts_shadows = false
+
+[[lights.list]]
+shape = \"distant\"
+azimuth = 0 # °
+elevation = 45 # °
+intensity = 3
+
+[wind]
+speed = 5 # m/s
+";
+    assert_eq!(text, expected);
+    assert_eq!(Preset::read(&text, "x").unwrap(), preset);
+    let inline = "version = 1\n[lights]\nlist = [{shape = \"point\", position = [0, 1, 2]}]";
+    let list = Preset::read(inline, "x").unwrap().settings.lights.list;
+    assert_eq!(list, [knobs::light_list::one("point position=0,1,2").unwrap()], "an inline list");
+}
+
+/// The two lights of presets from before the list.
+#[test]
+fn former_lights_become_entries_of_the_list() {
+    let read = |text: &str| Preset::read(&format!("version = 1\n[lights]\n{text}"), "former.toml");
+    let list = |text: &str| read(text).unwrap_or_else(|error| panic!("{error}")).settings.lights.list;
+    let both = "key = 0.5 # ×\nlamp1_strength = 3.5\nlamp1_azimuth = -40 # °\nlamp1_elevation = 10 # °\n\
+                lamp2_strength = 1\n";
+    let degrees = |azimuth: f32, elevation: f32, irradiance| {
+        LightEntry::distant(azimuth.to_radians(), elevation.to_radians(), irradiance)
+    };
+    assert_eq!(list(both), [degrees(-40.0, 10.0, 3.5), degrees(90.0, 30.0, 1.0)]);
+    assert_eq!(read(both).unwrap().settings.lights.key, 0.5);
+    // Lights without strength were off.
+    assert_eq!(
+        list("lamp1_strength = 0\nlamp1_azimuth = 90\nlamp2_azimuth = 10\nlamp2_strength = 2"),
+        [degrees(10.0, 30.0, 2.0)]
+    );
+    let mixed = "lamp2_strength = 2\n[[lights.list]]\nshape = \"point\"\nposition = [0, 1, 2]\n";
+    assert_eq!(
+        list(mixed).iter().map(|light| light.kind).collect::<Vec<_>>(),
+        [LightKind::Distant, LightKind::Point]
+    );
+    let invalid = read("key = 1\nlamp1_strength = -3").unwrap_err().to_string();
+    assert!(invalid.contains("line 4") && invalid.contains("intensity is -3"), "{invalid}");
+    assert!(read("lamp1_strength = \"much\"").unwrap_err().to_string().contains("must be a number"));
+    assert!(read("lamp3_strength = 1").is_err());
+}
+
+#[test]
+fn invalid_lights_report_entry_and_key() {
+    let with = |text: &str| {
+        format!(
+            "version = 1\n[[lights.list]]\nshape = \"distant\"\nazimuth = 0\nelevation = 1\n[[lights.list]]\n{text}"
+        )
+    };
+    refuses(
+        &with("shape = \"ring\""),
+        Some(7),
+        "light 2 of lights.list: shape is \"ring\", but must be one of distant",
+    );
+    refuses(&with("position = [0, 1, 2]"), Some(7), "light 2 of lights.list: shape is missing");
+    refuses(
+        &with("name = \"Fill\"\nshape = \"point\""),
+        Some(7),
+        "light 2 (Fill) of lights.list: a point light needs position",
+    );
+    let point = "shape = \"point\"\nposition = [0, 1, 2]\n";
+    refuses(
+        &with(&format!("{point}intensity = -1")),
+        Some(9),
+        "intensity is -1, but must be from 0 to 1000000",
+    );
+    refuses(&with(&format!("{point}intensity = nan")), Some(9), "intensity is NaN");
+    refuses(&with(&format!("{point}radius = 1")), Some(9), "a point light has no radius");
+    refuses(&with(&format!("{point}colour = \"#ffffff\"")), Some(9), "the nearest is color");
+    refuses(
+        &with("shape = \"point\"\nposition = [0, 1]"),
+        Some(8),
+        "position is [0, 1], but must be three numbers",
+    );
+    refuses(&with("shape = \"point\"\nposition = [0, 1, \"a\"]"), Some(8), "position is a list");
+    refuses(&with("shape = 3"), Some(7), "shape is 3");
+    refuses("version = 1\n[lights]\nlist = 3", Some(3), "must be tables [[lights.list]]");
+    refuses("version = 1\n[lights]\nlist = [3]", Some(3), "light 1 of lights.list is 3, not a table");
+    let mut preset = Preset::default();
+    preset.settings.lights.list = vec![LightEntry { intensity: f32::NAN, ..Default::default() }];
+    let error = preset.settings.check().unwrap_err().to_string();
+    assert!(error.starts_with("light 1 of lights.list: intensity is"), "{error}");
 }
 
 #[track_caller]

@@ -1,11 +1,12 @@
 //! Formats presets as text.
 
 use super::{
-    Preset, VERSION,
+    Preset, VERSION, lights,
     source::{FILES, MIRROR, TEXTS, slashes},
+    values::quoted,
 };
 use crate::{
-    knobs::{Knob, SECTIONS, Value, ValueKind},
+    knobs::{Knob, SECTIONS, Value, ValueKind, light_list},
     settings::Settings,
     source::PresetSource,
 };
@@ -40,12 +41,14 @@ impl Preset {
                 .iter()
                 .filter(|knob| extent == Extent::All || !knob.is_default(&self.settings))
                 .collect();
-            if knobs.is_empty() {
-                continue;
+            if !knobs.is_empty() {
+                text += &format!("\n[{}]\n", section.key);
             }
-            text += &format!("\n[{}]\n", section.key);
             for knob in knobs {
                 text += &line(knob, &self.settings, extent);
+            }
+            if light_list::PATH.split_once('.').is_some_and(|(key, _)| key == section.key) {
+                text += &lights::write(&self.settings.lights.list, extent == Extent::All);
             }
         }
         text
@@ -98,8 +101,4 @@ fn line(knob: &Knob, settings: &Settings, extent: Extent) -> String {
             format!("# {} Allowed: {}.\n{} = {value}{unit}\n", knob.hint, knob.range(), knob.key())
         }
     }
-}
-
-fn quoted(text: &str) -> String {
-    toml::Value::String(text.to_owned()).to_string()
 }

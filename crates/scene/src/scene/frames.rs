@@ -56,7 +56,7 @@ impl Scene {
         self.picture.camera = camera.camera(self.targets().size);
         let back = camera.back();
         let surroundings = self.surroundings.as_ref().map(|(.., lights)| lights);
-        self.picture.lights = self.lighting.lights(back.x.atan2(back.z), surroundings);
+        self.picture.lights = self.lighting.lights(back.x.atan2(back.z), surroundings, &self.imported_lights);
     }
 
     /// Records the motion of character and hair to `gesture` over `seconds`.

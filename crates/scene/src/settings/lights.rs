@@ -1,39 +1,10 @@
 //! Light settings.
 
-use tresses::{
-    glam::Vec3,
-    light::{Light, Lights},
-};
-
-/// An additional directional light, fixed in the world.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lamp {
-    /// Direction it comes from, radians: front (0), the head's left (π/2), back (π).
-    pub azimuth: f32,
-    /// Elevation above the horizon, radians.
-    pub elevation: f32,
-    /// Irradiance on a plane that faces the light; 0 is off. The key light has about 5.
-    pub irradiance: f32,
-}
-
-impl Default for Lamp {
-    fn default() -> Self {
-        Self { azimuth: 90f32.to_radians(), elevation: 30f32.to_radians(), irradiance: 0.0 }
-    }
-}
-
-impl Lamp {
-    /// Returns the library's light.
-    pub fn light(&self) -> Light {
-        let (sin, cos) = self.azimuth.sin_cos();
-        let (up, level) = self.elevation.sin_cos();
-        let direction = Vec3::new(sin * level, up, cos * level);
-        Light::distant(direction, Vec3::splat(self.irradiance))
-    }
-}
+use super::LightEntry;
+use tresses::light::{Light, Lights};
 
 /// Settings of all lights.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LightSettings {
     /// Strength factor of the key light, which comes from the camera's upper left.
     pub key: f32,
@@ -45,8 +16,8 @@ pub struct LightSettings {
     pub rotation: f32,
     /// Whether key and rim light follow the camera. Otherwise they stay in place, as for a camera in front of the face.
     pub follow: bool,
-    /// Additional lights.
-    pub lamps: [Lamp; 2],
+    /// Additional lights, fixed in the world.
+    pub list: Vec<LightEntry>,
     /// Rotation of the environment map about the head, radians, toward the head's left.
     pub environment_rotation: f32,
     /// Strength factor of the environment map.
@@ -63,7 +34,7 @@ impl Default for LightSettings {
             sky: 1.0,
             rotation: 0.0,
             follow: true,
-            lamps: [Lamp::default(); 2],
+            list: Vec::new(),
             environment_rotation: 0.0,
             environment_strength: 1.0,
             exposure: 1.0,
@@ -75,8 +46,10 @@ impl LightSettings {
     /// Returns the lights for a camera at `azimuth` around the head, radians, as for [`Lights::around`]. The light of
     /// an environment map, `surroundings`, replaces key, rim and sky light. The caller has already applied
     /// [`environment_rotation`](Self::environment_rotation) and [`environment_strength`](Self::environment_strength) to
-    /// it.
-    pub fn lights(&self, azimuth: f32, surroundings: Option<&Lights>) -> Lights {
+    /// it. `imported` are lights of other origin, such as those of a character's file.
+    ///
+    /// The id of each light is unique, and does not change when others are turned off.
+    pub fn lights(&self, azimuth: f32, surroundings: Option<&Lights>, imported: &[Light]) -> Lights {
         let mut lights = match surroundings {
             Some(lights) => lights.clone(),
             None => {
@@ -91,7 +64,18 @@ impl LightSettings {
                 lights
             }
         };
-        lights.list.extend(self.lamps.iter().filter(|lamp| lamp.irradiance > 0.0).map(Lamp::light));
+        let own = lights.list.len();
+        lights.list.extend(self.list.iter().map(|entry| entry.light(0)));
+        lights.list.extend(imported);
+        for (id, light) in lights.list.iter_mut().enumerate() {
+            light.id = id as u32;
+        }
+        // Key, rim and the environment's lights keep their indices.
+        let mut index = 0;
+        lights.list.retain(|light| {
+            index += 1;
+            index <= own || light.is_on()
+        });
         lights
     }
 }
@@ -99,24 +83,39 @@ impl LightSettings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::LightKind;
+    use tresses::glam::Vec3;
 
     #[test]
     fn default_lights_match_the_library() {
         let settings = LightSettings::default();
-        assert_eq!(settings.lights(0.7, None), Lights::around(0.7));
-        let still = LightSettings { follow: false, rotation: 0.3, ..settings };
-        assert_eq!(still.lights(0.7, None), Lights::around(0.3));
+        assert_eq!(settings.lights(0.7, None, &[]), Lights::around(0.7));
+        let still = LightSettings { follow: false, rotation: 0.3, ..settings.clone() };
+        assert_eq!(still.lights(0.7, None, &[]), Lights::around(0.3));
         let dark = LightSettings { key: 0.0, ..settings };
-        assert_eq!(dark.lights(0.0, None).active().count(), 1);
+        let dark = dark.lights(0.0, None, &[]);
+        assert_eq!((dark.active().count(), dark.list.len()), (1, 2));
     }
 
     #[test]
-    fn lamp_azimuth_sets_direction() {
-        let left = Lamp { azimuth: 90f32.to_radians(), elevation: 0.0, irradiance: 2.0 };
-        let lights = LightSettings { lamps: [left, Lamp::default()], ..Default::default() };
-        let lights = lights.lights(1.0, Some(&Lights::around(0.0)));
-        let (direction, _) = lights.list[2].irradiance_at(Vec3::ZERO);
-        assert!((direction - Vec3::X).length() < 1e-6, "the head's left is +X");
-        assert_eq!(lights.active().count(), 3);
+    fn list_and_imported_lights_follow_with_stable_ids() {
+        let entry = |kind| LightEntry { position: Vec3::Z, ..LightEntry::new(kind) };
+        let mut settings = LightSettings {
+            list: [LightKind::Point, LightKind::Spot, LightKind::Sphere].map(entry).into(),
+            ..Default::default()
+        };
+        let imported = [Light::point(Vec3::Y, Vec3::ONE).with_id(1)];
+        let ids = |settings: &LightSettings, surroundings: Option<&Lights>| {
+            let lights = settings.lights(0.0, surroundings, &imported);
+            lights.list.iter().map(|light| light.id).collect::<Vec<_>>()
+        };
+        assert_eq!(ids(&settings, None), [0, 1, 2, 3, 4, 5]);
+        settings.list[1].is_on = false;
+        settings.key = 0.0;
+        assert_eq!(ids(&settings, None), [0, 1, 2, 4, 5], "a light that is off leaves the list");
+        let map = Lights { list: Vec::new(), ..Lights::default() };
+        assert_eq!(ids(&settings, Some(&map)), [0, 2, 3], "they add to an environment map");
+        let lights = settings.lights(0.0, Some(&map), &imported);
+        assert_eq!(lights.list[2].shape, imported[0].shape);
     }
 }

@@ -17,12 +17,14 @@
 //! [`Settings::set`] writes fields of automatic parameters. [`Settings::resolved`] returns the values of automatic
 //! parameters.
 
+mod light_entry;
 mod lights;
 mod renderer;
 mod shading;
 mod style;
 
-pub use lights::{Lamp, LightSettings};
+pub use light_entry::{LightEntry, LightKind};
+pub use lights::LightSettings;
 pub use renderer::{ClassicBlending, RendererKind, RendererSettings};
 pub(crate) use shading::NATURAL;
 pub use shading::{HairColor, ShadingSettings};
