@@ -13,6 +13,7 @@ mod device;
 mod files;
 mod given;
 mod groom;
+mod lights;
 mod mesh;
 mod motion;
 mod picture;

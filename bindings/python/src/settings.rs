@@ -1,6 +1,6 @@
 //! The table of parameters, and settings by parameter name.
 
-use crate::{TressesError, raised};
+use crate::{TressesError, lights, raised};
 use pyo3::{
     exceptions::PyKeyError,
     prelude::*,
@@ -9,7 +9,7 @@ use pyo3::{
 use std::path::PathBuf;
 use tresses_scene::{
     Change, Knob, Preset, Value,
-    knobs::{self, ValueKind},
+    knobs::{self, ValueKind, light_list},
     preset::Extent,
     settings,
 };
@@ -148,11 +148,39 @@ fn given(knob: &Knob, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     Ok(value)
 }
 
+/// Sets the parameter `name` in `settings`, or the list of lights.
+fn assign(settings: &mut settings::Settings, name: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
+    if name == light_list::PATH {
+        settings.lights.list = lights::read(value)?;
+        return Ok(());
+    }
+    let knob = named(name)?;
+    knob.set(settings, given(knob, value)?).map_err(raised)
+}
+
+/// Returns the value of the parameter `name`, or the list of lights.
+fn get(py: Python<'_>, settings: &settings::Settings, name: &str) -> PyResult<Py<PyAny>> {
+    if name == light_list::PATH {
+        return Ok(lights::show(py, &settings.lights.list)?.into_any().unbind());
+    }
+    let knob = named(name)?;
+    shown(py, knob, knob.get(settings))
+}
+
+/// Iterates over the names of all parameters, and of the list of lights.
+fn names() -> impl Iterator<Item = &'static str> {
+    knobs::all().map(|knob| knob.path).chain([light_list::PATH])
+}
+
 fn named(name: &str) -> PyResult<&'static Knob> {
     knobs::named(name).map_err(PyKeyError::new_err)
 }
 
-/// All settings: a mapping from the names of `parameters()` to values.
+/// All settings: a mapping from the names of `parameters()` to values, and ``"lights.list"`` to a list of lights.
+///
+/// A light is a dict of its shape and values, as in a preset: ``{"shape": "point", "position": (0.3, 0.2, 0.4)}``, or a
+/// str as for ``--light``. Positions are three numbers, meters; angles are in degrees. To change a light, assign the
+/// list again: reading it returns a copy.
 ///
 /// Numbers are in the parameter's unit: ``settings["style.curl_radius"] = 9`` sets 9 mm. A str may contain a unit
 /// (``"0.9 cm"``). None means automatic. Values out of range raise TressesError; unknown names raise KeyError.
@@ -202,10 +230,12 @@ impl Settings {
             for knob in knobs::all().filter(|knob| !knob.is_default(&other.0)) {
                 knob.set(&mut changed, knob.get(&other.0)).map_err(raised)?;
             }
+            if !other.0.lights.list.is_empty() {
+                changed.lights.list.clone_from(&other.0.lights.list);
+            }
         } else {
             for (name, value) in values.cast::<PyDict>()?.iter() {
-                let knob = named(&name.extract::<String>()?)?;
-                knob.set(&mut changed, given(knob, &value)?).map_err(raised)?;
+                assign(&mut changed, &name.extract::<String>()?, &value)?;
             }
         }
         self.0 = changed;
@@ -218,6 +248,9 @@ impl Settings {
         for knob in knobs::all().filter(|knob| !knob.is_default(&self.0)) {
             dict.set_item(knob.path, shown(py, knob, knob.get(&self.0))?)?;
         }
+        if !self.0.lights.list.is_empty() {
+            dict.set_item(light_list::PATH, get(py, &self.0, light_list::PATH)?)?;
+        }
         Ok(dict)
     }
 
@@ -226,43 +259,45 @@ impl Settings {
         self.clone()
     }
 
-    /// Return the names of all parameters.
+    /// Return the names of all parameters, and of the list of lights.
     fn keys(&self) -> Vec<&'static str> {
-        knobs::all().map(|knob| knob.path).collect()
+        names().collect()
     }
 
     /// Return the values of all parameters.
     fn values(&self, py: Python<'_>) -> PyResult<Vec<Py<PyAny>>> {
-        knobs::all().map(|knob| shown(py, knob, knob.get(&self.0))).collect()
+        names().map(|name| get(py, &self.0, name)).collect()
     }
 
     /// Return the names and values of all parameters: a list of pairs.
     fn items(&self, py: Python<'_>) -> PyResult<Vec<(&'static str, Py<PyAny>)>> {
-        knobs::all().map(|knob| Ok((knob.path, shown(py, knob, knob.get(&self.0))?))).collect()
+        names().map(|name| Ok((name, get(py, &self.0, name)?))).collect()
     }
 
     fn __getitem__(&self, py: Python<'_>, name: &str) -> PyResult<Py<PyAny>> {
-        let knob = named(name)?;
-        shown(py, knob, knob.get(&self.0))
+        get(py, &self.0, name)
     }
 
     fn __setitem__(&mut self, name: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        let knob = named(name)?;
-        knob.set(&mut self.0, given(knob, value)?).map_err(raised)
+        assign(&mut self.0, name, value)
     }
 
     /// Reset a parameter to its default.
     fn __delitem__(&mut self, name: &str) -> PyResult<()> {
-        named(name)?.reset(&mut self.0);
+        if name == light_list::PATH {
+            self.0.lights.list.clear();
+        } else {
+            named(name)?.reset(&mut self.0);
+        }
         Ok(())
     }
 
     fn __contains__(&self, name: &str) -> bool {
-        knobs::find(name).is_some()
+        name == light_list::PATH || knobs::find(name).is_some()
     }
 
     fn __len__(&self) -> usize {
-        knobs::all().count()
+        names().count()
     }
 
     fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

@@ -9,7 +9,7 @@ import tresses
 def test_parameters_have_rows_and_values():
     rows = tresses.parameters()
     settings = tresses.Settings()
-    assert len(rows) == len(settings) > 80 and [row.name for row in rows] == list(settings)
+    assert [row.name for row in rows] + ["lights.list"] == list(settings) and len(settings) == len(rows) + 1 > 80
     for row in rows:
         assert row.hint and row.range and row.cost in ("frame", "regrow", "rebuild")
         assert settings[row.name] == row.default
@@ -60,3 +60,52 @@ def test_presets_round_trip(tmp_path):
     file.write_text("version = 1\n[wind]\nsped = 4\n")
     with pytest.raises(tresses.TressesError, match="line 3"):
         tresses.Settings.open(file)
+
+
+LAMP = {"shape": "point", "name": "Lamp", "position": (0.3, 0.2, 0.4), "intensity": 0.5, "color": "#ffb070"}
+WINDOW = {"shape": "rectangle", "position": [1, 0.5, 1], "target": [0, 0, 0], "width": "60 cm", "height": 0.4}
+
+
+def test_lights_are_dicts(tmp_path):
+    settings = tresses.Settings({"lights.list": [LAMP, WINDOW, "-10,20,3"]})
+    lamp, window, distant = settings["lights.list"]
+    assert lamp["position"] == pytest.approx([0.3, 0.2, 0.4]) and lamp["range"] is None and lamp["on"] is True
+    assert (lamp["color"], lamp["name"], lamp["intensity"]) == ("#ffb070", "Lamp", 0.5)
+    assert (window["width"], window["height"], window["roll"]) == (0.6, 0.4, 0)
+    assert (distant["shape"], distant["azimuth"], distant["intensity"]) == ("distant", -10, 3)
+    # Equal after a round trip through Python, and through a preset.
+    assert tresses.Settings({"lights.list": [lamp, window, distant]}) == settings
+    file = tmp_path / "lit.toml"
+    settings.save(file)
+    assert tresses.Settings.open(file) == settings
+    assert "lights.list" in settings and "lights.list" in settings.changed()
+    other = tresses.Settings({"wind.speed": 3})
+    other.update(settings)
+    assert len(other["lights.list"]) == 3 and other["wind.speed"] == 3
+    settings["lights.list"] = [dict(lamp, position=np.array([0, 1, 2], np.float32), on=False)]
+    assert settings["lights.list"][0]["position"] == [0, 1, 2] and settings["lights.list"][0]["on"] is False
+    del settings["lights.list"]
+    assert settings == tresses.Settings() and settings["lights.list"] == []
+
+
+def test_invalid_lights_name_entry_and_key():
+    settings = tresses.Settings({"lights.list": [LAMP]})
+    for light, message in [
+        ({**LAMP, "intensity": -1}, r"light 2 \(Lamp\) of lights.list: intensity is -1"),
+        ({**LAMP, "radius": 1}, "a point light has no radius"),
+        ({**LAMP, "positon": (0, 0, 1)}, "the nearest is position"),
+        ({**LAMP, "shape": "ring"}, "must be one of distant"),
+        ({**LAMP, "position": (0, 1)}, "three numbers"),
+        ({"shape": "point"}, "a point light needs position"),
+        ({"position": (0, 0, 1)}, "shape is missing"),
+        (3, "a dict or a str"),
+        ("spot", "a spot light needs position, target"),
+    ]:
+        with pytest.raises(tresses.TressesError, match=message):
+            settings["lights.list"] = [LAMP, light]
+    for lights in ("10,20", LAMP):
+        with pytest.raises(tresses.TressesError, match="a list of dicts"):
+            settings["lights.list"] = lights
+    with pytest.raises(KeyError, match="use lights.list"):
+        settings["lights.lamp1_strength"] = 2
+    assert len(settings["lights.list"]) == 1, "nothing changed"

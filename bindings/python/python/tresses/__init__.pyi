@@ -11,7 +11,9 @@ Path = Union[str, PathLike[str]]
 Paths = Union[Path, Sequence[Path]]
 Floats = NDArray[np.float32]
 Ints = NDArray[np.int32]
-Value = Union[float, int, bool, str, Tuple[int, int, int], None]
+# The shape and the values of a light, as in a preset.
+Light = Mapping[str, Union[float, bool, str, ArrayLike, None]]
+Value = Union[float, int, bool, str, Tuple[int, int, int], Sequence[Union[Light, str]], None]
 Values = Union["Settings", Mapping[str, Value], None]
 # Translation (meters) and quaternion (x, y, z, w).
 Placed = Tuple[Sequence[float], Sequence[float]]
