@@ -3,6 +3,7 @@
 //! ```text
 //! app ──► panels, viewport            user input, frame by frame; each borrows the parts it needs
 //!  ├──► document ──► job ──► task      settings, hair, history; jobs on a thread natively, async tasks in the browser
+//!  ├──► light_handles                  lights of the list in the viewport
 //!  ├──► record, picture, hosted        a loop or an image as a file; the host page
 //!  │      ├──► strokes ──► groomer     the brush in the viewport; groomed hair
 //!  │      └──► renderer ──► stage      schedule and quality of frames; only `stage` talks to the renderer
@@ -33,6 +34,8 @@ pub mod head;
 pub mod hosted;
 pub mod job;
 pub mod journal;
+pub mod light_handles;
+pub mod light_placement;
 pub mod loss;
 pub mod messages;
 

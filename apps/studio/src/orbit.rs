@@ -179,6 +179,25 @@ impl Orbit {
         (self.camera().eye, direction.normalize())
     }
 
+    /// Returns the normalized device coordinates of `point`, if it is in front of the camera: the inverse of
+    /// [`ray`](Self::ray).
+    pub fn project(&self, point: Vec3) -> Option<Vec2> {
+        let (right, up) = self.plane();
+        let offset = point - self.camera().eye;
+        let height = (0.5 * VERTICAL_FOV).tan() * self.depth(point);
+        (height > 0.0).then(|| Vec2::new(offset.dot(right) / (height * self.aspect), offset.dot(up) / height))
+    }
+
+    /// Returns the distance of `point` from the eye along the viewing direction, meters.
+    pub fn depth(&self, point: Vec3) -> f32 {
+        (self.camera().eye - point).dot(self.now.back())
+    }
+
+    /// Returns the bounds of the subject, meters.
+    pub fn subject(&self) -> Bounds {
+        self.subject
+    }
+
     /// Returns the height of the view frustum at distance `depth` from the eye, meters.
     pub fn height_at(&self, depth: f32) -> f32 {
         2.0 * (0.5 * VERTICAL_FOV).tan() * depth
@@ -221,6 +240,19 @@ mod tests {
         let (eye, direction) = orbit.ray(Vec2::ZERO);
         let camera = orbit.camera();
         assert!((eye + direction * camera.distance()).distance(camera.target) < 1e-5);
+    }
+
+    #[test]
+    fn projection_inverts_rays() {
+        let mut orbit = Orbit::new(Angle::ThreeQuarter, SUBJECT);
+        orbit.set_aspect(1.7);
+        orbit.pan(Vec2::new(30.0, -20.0), 600.0);
+        for at in [Vec2::ZERO, Vec2::new(-0.7, 0.4), Vec2::new(0.9, -0.9)] {
+            let (eye, direction) = orbit.ray(at);
+            let found = orbit.project(eye + 0.8 * direction).unwrap();
+            assert!(found.distance(at) < 1e-4, "{at} {found}");
+            assert_eq!(orbit.project(eye - direction), None, "behind the camera");
+        }
     }
 
     #[test]

@@ -1,8 +1,10 @@
 //! The studio's state, published for host pages and tests.
 
 use crate::groomer::Groomer;
+use eframe::egui::Pos2;
 use serde::Serialize;
 use std::sync::{Mutex, PoisonError};
+use tresses_scene::settings::LightEntry;
 
 /// State after a frame of the window.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -25,6 +27,8 @@ pub struct State {
     pub cards: String,
     /// The hair under the brush; none unless a brush is active.
     pub groom: Option<GroomState>,
+    /// The list of lights.
+    pub lights: Vec<LightState>,
     /// Whether brushes push moving hair.
     pub live: bool,
     /// Whether groomed hair that an earlier studio has left is offered.
@@ -56,6 +60,35 @@ pub struct State {
     /// Whether a frame is in flight or due.
     #[serde(rename = "busy")]
     pub pending: bool,
+}
+
+/// State of a light of the list.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct LightState {
+    /// Shape.
+    pub shape: &'static str,
+    /// Center, meters; none for a distant light.
+    pub center: Option<[f32; 3]>,
+    /// Azimuth and elevation, degrees; only for a distant light.
+    pub direction: Option<[f32; 2]>,
+    /// Place of its handle in the window, points; none behind the camera, and while handles are hidden.
+    pub handle: Option<[f32; 2]>,
+}
+
+impl LightState {
+    /// Returns the states of `list`, whose handles are at `places`.
+    pub fn list(list: &[LightEntry], places: &[Option<Pos2>]) -> Vec<Self> {
+        let state = |(i, light): (usize, &LightEntry)| Self {
+            shape: light.kind.name(),
+            center: light.center().map(Into::into),
+            direction: match light.center() {
+                None => Some([light.azimuth.to_degrees(), light.elevation.to_degrees()]),
+                Some(_) => None,
+            },
+            handle: places.get(i).copied().flatten().map(Into::into),
+        };
+        list.iter().enumerate().map(state).collect()
+    }
 }
 
 /// State of grooming.

@@ -22,7 +22,7 @@ use crate::{
     record::LoopRecorder,
     renderer::StudioRenderer,
     stage::CharacterDisplay,
-    state::{self, GroomState, State},
+    state::{self, GroomState, LightState, State},
     theme,
     tool::Tool,
     viewport::{self, Viewport},
@@ -156,14 +156,20 @@ impl Studio {
 
     /// Shows the viewport and the controls over it.
     fn picture(&mut self, ui: &mut egui::Ui) {
-        let Self { document, renderer, viewport, recorder, messages, .. } = self;
+        let Self { document, renderer, viewport, recorder, messages, panels, .. } = self;
         let rect = viewport.show(renderer, document, recorder.is_recording(), messages, ui);
         if let Some(sentence) = self.lost.sentence() {
             viewport::alarm(&sentence, ui, rect);
             return;
         }
-        let over = Overlay::new(ui, rect, viewport.tool.brush().is_some());
         let shown = renderer.show.is_some();
+        let grooms = viewport.tool.brush().is_some();
+        if shown && !self.hides_panels && !grooms && !recorder.is_recording() {
+            panels.lights.show(&renderer.orbit, document, ui, rect);
+        } else {
+            panels.lights.hide();
+        }
+        let over = Overlay::new(ui, rect, grooms);
         if shown && !self.hides_panels {
             over.tools(viewport, document, renderer, &self.dialogs);
             over.views(renderer);
@@ -264,6 +270,7 @@ impl Studio {
             groom: document.groomer.as_ref().map(GroomState::of),
             live: renderer.playback.live,
             cards: renderer.cards.as_ref().map(CardPreview::name).unwrap_or_default(),
+            lights: LightState::list(&document.settings.now().lights.list, &self.panels.lights.places),
             step: document.job.as_ref().map(Job::step).unwrap_or_default().into(),
             lost: lost.is_some(),
             error: self.messages.error.clone().or(lost).unwrap_or_default(),

@@ -2,7 +2,13 @@
 
 use crate::{
     document::Document,
-    panels::icons::{self, Icon},
+    light_placement::LightStage,
+    orbit::Orbit,
+    panels::{
+        format::{NAME_WIDTH, short},
+        icons::{self, Icon},
+        lights,
+    },
     theme,
 };
 use eframe::egui::{
@@ -16,11 +22,13 @@ use tresses_scene::{
 /// Keys of the sections that are open at start, the most used.
 const OPEN: [&str; 2] = ["style", "shading"];
 
-/// Width of the labels, points.
-const NAMES: f32 = 136.0;
-
-/// Shows the search field and the parameters.
-pub fn show(document: &mut Document, search: &mut String, ui: &mut Ui) {
+/// Shows the search field, the parameters, and the list of lights.
+pub fn show(
+    document: &mut Document,
+    search: &mut String,
+    (orbit, selected_light): (&Orbit, &mut Option<usize>),
+    ui: &mut Ui,
+) {
     // Right to left: the field takes the remaining width, so the panel does not grow.
     let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
     ui.allocate_ui_with_layout(size, egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -46,43 +54,66 @@ pub fn show(document: &mut Document, search: &mut String, ui: &mut Ui) {
             let read = section.knobs.iter().filter(|knob| knob.is_read(&settings));
             let found = read.filter(|knob| matches(knob, section, &words));
             let (advanced, first): (Vec<_>, Vec<_>) = found.partition(|knob| knob.advanced);
-            if first.is_empty() && advanced.is_empty() {
+            let lists_lights = section.key == "lights" && finds_lights(&words);
+            if first.is_empty() && advanced.is_empty() && !lists_lights {
                 continue;
             }
             // Open the sections that have matches.
             let open = (!words.is_empty()).then_some(true);
-            CollapsingHeader::new(
-                RichText::new(titled(section.title, section.knobs.iter(), &settings)).strong(),
-            )
-            .id_salt(section.key)
-            .default_open(OPEN.contains(&section.key))
-            .open(open)
-            .show_unindented(ui, |ui| {
-                for knob in first {
-                    if row(knob, &mut settings, &resolved, ui) {
-                        changed = Some(knob.path);
+            CollapsingHeader::new(RichText::new(section_title(section, &settings)).strong())
+                .id_salt(section.key)
+                .default_open(OPEN.contains(&section.key))
+                .open(open)
+                .show_unindented(ui, |ui| {
+                    for knob in first {
+                        if row(knob, &mut settings, &resolved, ui) {
+                            changed = Some(knob.path);
+                        }
                     }
-                }
-                if !advanced.is_empty() {
-                    CollapsingHeader::new(titled("Advanced", advanced.iter().copied(), &settings))
-                        .id_salt((section.key, "advanced"))
-                        .open(open)
-                        .show_unindented(ui, |ui| {
-                            for knob in advanced {
-                                if row(knob, &mut settings, &resolved, ui) {
-                                    changed = Some(knob.path);
+                    if !advanced.is_empty() {
+                        CollapsingHeader::new(titled("Advanced", advanced.iter().copied(), &settings))
+                            .id_salt((section.key, "advanced"))
+                            .open(open)
+                            .show_unindented(ui, |ui| {
+                                for knob in advanced {
+                                    if row(knob, &mut settings, &resolved, ui) {
+                                        changed = Some(knob.path);
+                                    }
                                 }
-                            }
-                        });
-                }
-                ui.add_space(6.0);
-            })
-            .header_response
-            .on_hover_text(section.about);
+                            });
+                    }
+                    if lists_lights {
+                        ui.add_space(4.0);
+                        let stage = LightStage::of(orbit);
+                        if let Some(change) = lights::show(&settings.lights.list, selected_light, &stage, ui)
+                        {
+                            settings.lights.list = change.list;
+                            changed = Some(change.label);
+                        }
+                    }
+                    ui.add_space(6.0);
+                })
+                .header_response
+                .on_hover_text(section.about);
         }
     });
-    if let Some(path) = changed {
-        document.change(settings, path);
+    if let Some(label) = changed {
+        document.change(settings, label);
+    }
+}
+
+/// Whether `words`, lowercase, find the list of lights.
+fn finds_lights(words: &str) -> bool {
+    const TEXT: &str = "lights list of lights add light lamp point spot rectangle area disc ring sphere tube";
+    words.split_whitespace().all(|word| TEXT.contains(word))
+}
+
+/// Returns the title of a section.
+fn section_title(section: &Section, settings: &Settings) -> String {
+    let title = titled(section.title, section.knobs.iter(), settings);
+    match settings.lights.list.len() {
+        count if count > 0 && section.key == "lights" => format!("{title}, {count} added"),
+        _ => title,
     }
 }
 
@@ -107,10 +138,10 @@ pub fn row(knob: &Knob, settings: &mut Settings, resolved: &Settings, ui: &mut U
     ui.horizontal(|ui| {
         let default = knob.is_default(settings);
         let color = if default { theme::TEXT } else { theme::ACCENT };
-        let size = egui::vec2(NAMES, ui.spacing().interact_size.y);
+        let size = egui::vec2(NAME_WIDTH, ui.spacing().interact_size.y);
         let name = ui
             .allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                ui.set_min_width(NAMES);
+                ui.set_min_width(NAME_WIDTH);
                 let label = Label::new(RichText::new(knob.label).color(color)).truncate();
                 ui.add(label.sense(Sense::click()))
             })
@@ -209,16 +240,6 @@ fn widget(knob: &Knob, value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
     }
 }
 
-/// Formats a number with three significant digits.
-fn short(number: f64) -> String {
-    if number == 0.0 {
-        return "0".into();
-    }
-    let before = number.abs().log10().floor() as i32 + 1;
-    let text = format!("{number:.*}", (3 - before).clamp(0, 9) as usize);
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
-}
-
 fn choice(knob: &Knob, choices: &[Choice], value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
     let text = match value {
         Value::Choice(name) if auto => format!("{name} (auto)"),
@@ -249,15 +270,6 @@ fn choice(knob: &Knob, choices: &[Choice], value: Value, auto: bool, ui: &mut Ui
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_are_short() {
-        for (number, text) in
-            [(0.0, "0"), (9.81, "9.81"), (12.0, "12"), (0.0035, "0.0035"), (1234.6, "1235"), (20.04, "20")]
-        {
-            assert_eq!(short(number), text);
-        }
-    }
 
     #[test]
     fn showing_a_parameter_keeps_its_value() {
@@ -297,6 +309,9 @@ mod tests {
         let knob = &section.knobs[0];
         assert!(matches(knob, section, "") && matches(knob, section, &knob.label.to_lowercase()));
         assert!(!matches(knob, section, "xyzzy"));
+        assert!(
+            finds_lights("") && finds_lights("add light") && finds_lights("ring") && !finds_lights("drag")
+        );
         let simulation = SECTIONS.iter().find(|section| section.key == "simulation").unwrap();
         let drag = simulation.knobs.iter().find(|knob| knob.key() == "drag").unwrap();
         assert!(matches(drag, simulation, "air resistance"));

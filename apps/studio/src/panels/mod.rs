@@ -4,6 +4,7 @@ pub mod body;
 pub mod brush;
 pub mod cards;
 pub mod files;
+pub mod format;
 pub mod frames;
 pub mod groom;
 pub mod icons;
@@ -11,6 +12,7 @@ pub mod inside;
 pub mod keys;
 pub mod knobs;
 pub mod legend;
+pub mod lights;
 pub mod map_choice;
 pub mod overlay;
 pub mod palette;
@@ -22,7 +24,10 @@ pub mod top;
 pub mod transport;
 pub mod wind;
 
-use crate::{answer::Answer, cards::CardForm, dialog::Dialogs, renderer::StudioRenderer, task};
+use crate::{
+    answer::Answer, cards::CardForm, dialog::Dialogs, light_handles::LightHandles, renderer::StudioRenderer,
+    task,
+};
 use eframe::egui;
 use tresses::glam::Vec3;
 
@@ -58,6 +63,8 @@ pub struct Panels {
     pub cards: CardForm,
     /// Search words for parameters.
     pub search: String,
+    /// The lights in the viewport.
+    pub lights: LightHandles,
     /// Whether the dialog that records a loop is open.
     pub record: bool,
     /// Dropped images whose kind the user must choose.

@@ -63,7 +63,10 @@ pub fn show(
         });
         ui.separator();
         match panels.page {
-            SidePage::Knobs => knobs::show(document, &mut panels.search, ui),
+            SidePage::Knobs => {
+                let lights = (&renderer.orbit, &mut panels.lights.selected);
+                knobs::show(document, &mut panels.search, lights, ui);
+            }
             SidePage::Inside => inside::show(renderer, ui),
             SidePage::Groom => groom::show(document, renderer, messages, ui),
             SidePage::Cards => cards::show(&mut panels.cards, document, renderer, dialogs, messages, ui),

@@ -274,6 +274,15 @@ impl Desk {
         self.fake(xproto::KEY_RELEASE_EVENT, held, 0, 0);
     }
 
+    /// Runs `inside` with the key held.
+    pub fn hold<R>(&mut self, symbol: u32, inside: impl FnOnce(&mut Self) -> R) -> R {
+        let held = self.code(symbol);
+        self.fake(xproto::KEY_PRESS_EVENT, held, 0, 0);
+        let result = inside(self);
+        self.fake(xproto::KEY_RELEASE_EVENT, held, 0, 0);
+        result
+    }
+
     /// Types the key without delays.
     pub fn tap(&mut self, symbol: u32) {
         let code = self.code(symbol);

@@ -4,6 +4,7 @@
 mod cards;
 mod display;
 mod groom;
+mod lights;
 mod responsiveness;
 
 use display::{Desk, Shot};
