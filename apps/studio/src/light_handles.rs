@@ -42,6 +42,7 @@ impl LightHandles {
     /// Shows the handles over the viewport at `rect`, and moves the light whose handle is dragged.
     pub fn show(&mut self, orbit: &Orbit, document: &mut Document, ui: &Ui, rect: Rect) {
         let list = &document.settings.now().lights.list;
+        let mut starts = false;
         self.selected = self.selected.filter(|selected| *selected < list.len());
         let stage = LightStage::of(orbit);
         let painter = ui.painter_at(rect);
@@ -77,6 +78,7 @@ impl LightHandles {
                     // Start at the press: egui recognizes a drag only after a few points.
                     let pointer = ui.input(|input| input.pointer.press_origin()).unwrap_or(at);
                     let (before, drag) = (light.clone(), HandleDrag::default());
+                    starts = true;
                     self.drag = Some(ActiveDrag { index, part, before, drag, pointer });
                 }
                 let own = |it: &&mut ActiveDrag| (it.index, it.part) == (index, part) && response.dragged();
@@ -101,6 +103,10 @@ impl LightHandles {
         if let Some((index, light)) = moved {
             let mut settings = document.settings.now().clone();
             settings.lights.list[index] = light;
+            if starts {
+                // Each drag is an undo step.
+                document.settings.settle();
+            }
             document.change(settings, "Move light");
         }
     }

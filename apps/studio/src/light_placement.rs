@@ -7,7 +7,7 @@ use tresses_scene::settings::{LightEntry, LightKind};
 /// Irradiance of a new light at the middle of the head. The key light has about 5.
 const IRRADIANCE: f32 = 4.0;
 /// Distance of new lights from the middle of the subject, in radii of the subject.
-const DISTANCE: f32 = 1.1;
+const DISTANCE: f32 = 1.3;
 /// Radius of the subject for which the sizes of [`LightEntry::new`] are, meters.
 const USUAL_RADIUS: f32 = 0.35;
 /// Positions are rounded to this length, meters.
@@ -67,7 +67,7 @@ impl LightStage {
 
     /// Returns a light of `kind` in front of the upper left of the head, as the camera sees it.
     pub fn new_light(&self, kind: LightKind) -> LightEntry {
-        let towards = (0.67 * self.back + 0.55 * self.up - 0.5 * self.right).normalize();
+        let towards = (0.87 * self.back + 0.34 * self.up - 0.36 * self.right).normalize();
         let mut light = LightEntry::new(kind);
         self.place(&mut light, self.center + towards * DISTANCE * self.radius);
         let scale = self.radius / USUAL_RADIUS;

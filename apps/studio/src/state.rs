@@ -28,7 +28,7 @@ pub struct State {
     /// The hair under the brush; none unless a brush is active.
     pub groom: Option<GroomState>,
     /// The list of lights.
-    pub lights: Vec<LightState>,
+    pub lights: Vec<LightEntryState>,
     /// Whether brushes push moving hair.
     pub live: bool,
     /// Whether groomed hair that an earlier studio has left is offered.
@@ -64,7 +64,7 @@ pub struct State {
 
 /// State of a light of the list.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct LightState {
+pub struct LightEntryState {
     /// Shape.
     pub shape: &'static str,
     /// Center, meters; none for a distant light.
@@ -75,7 +75,7 @@ pub struct LightState {
     pub handle: Option<[f32; 2]>,
 }
 
-impl LightState {
+impl LightEntryState {
     /// Returns the states of `list`, whose handles are at `places`.
     pub fn list(list: &[LightEntry], places: &[Option<Pos2>]) -> Vec<Self> {
         let state = |(i, light): (usize, &LightEntry)| Self {

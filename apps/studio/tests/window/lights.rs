@@ -7,6 +7,10 @@ use serde_json::Value;
 const CONTROL: u32 = 0xffe3;
 const SHIFT: u32 = 0xffe1;
 const Z: u32 = 0x7a;
+/// Places in a window of 1280 × 720, pixels.
+const SEARCH: [i16; 2] = [1060, 98];
+const ADD: [i16; 2] = [930, 514];
+const SPOT: [i16; 2] = [918, 345];
 
 /// Returns the lights once `is` holds.
 fn lights(desk: &mut Desk, what: &str, is: impl Fn(&[Value]) -> bool) -> Vec<Value> {
@@ -52,23 +56,25 @@ fn lights_are_dragged_in_the_view_and_undone() {
             handle(&lights[0]).is_some_and(|at| at[0].abs_diff(to[0]) <= 2 && at[1].abs_diff(to[1]) <= 2)
         })
     });
-    let moved = lights(&mut desk, "the moved light", |lights| center(lights) != center(&begun));
-    assert_eq!(direction(&moved), direction(&begun));
+    // The state is that of the whole drag once the window rests.
     let after = desk.still();
     after.keep("lights-after");
+    let moved = lights(&mut desk, "the moved light", |lights| center(lights) != center(&begun));
+    assert_eq!(direction(&moved), direction(&begun));
     assert!(after.change(&before) > 0.002, "{}", after.change(&before));
 
     // With Shift, it moves away from the camera.
-    let away = desk.hold(SHIFT, |desk| {
+    desk.hold(SHIFT, |desk| {
         desk.drag(1, [to, [to[0], to[1] - 50]], |desk| {
             lights(desk, "the light farther away", |lights| center(lights) != center(&moved))
         })
     });
-    let depth = |lights: &[Value]| center(lights)[2];
-    assert!(depth(&away) < depth(&moved) - 0.01, "{away:?} {moved:?}");
 
     // The distant light moves around the head.
-    let pushed = desk.state().unwrap()["lights"].as_array().unwrap().clone();
+    desk.still();
+    let pushed = lights(&mut desk, "the lights", |lights| lights.len() == 2);
+    let depth = |lights: &[Value]| center(lights)[2];
+    assert!(depth(&pushed) < depth(&moved) - 0.01, "{pushed:?} {moved:?}");
     let at = handle(&pushed[1]).unwrap();
     desk.drag(1, [at, [at[0] - 40, at[1] - 30]], |desk| {
         lights(desk, "another direction", |lights| {
@@ -76,6 +82,7 @@ fn lights_are_dragged_in_the_view_and_undone() {
             now[0] < then[0] - 3.0 && now[1] > then[1] + 3.0
         })
     });
+    desk.still();
 
     // Each drag is one step.
     desk.chord(CONTROL, Z);
@@ -86,5 +93,18 @@ fn lights_are_dragged_in_the_view_and_undone() {
     lights(&mut desk, "the former depth", |lights| center(lights) == center(&moved));
     desk.chord(CONTROL, Z);
     lights(&mut desk, "the former place", |lights| center(lights) == center(&begun));
+    // A search for the list shows its lines, and the button below them. A new light is in view.
+    desk.click(SEARCH);
+    "ring".chars().for_each(|letter| desk.key(letter as u32));
+    desk.still();
+    desk.click(ADD);
+    desk.still().keep("lights-menu");
+    desk.click(SPOT);
+    let added =
+        lights(&mut desk, "a third light", |lights| lights.len() == 3 && handle(&lights[2]).is_some());
+    assert_eq!(added[2]["shape"], "spot");
+    desk.still().keep("lights-added");
+    desk.chord(CONTROL, Z);
+    lights(&mut desk, "the lights before", |lights| lights.len() == 2);
     assert!(desk.close().success());
 }
