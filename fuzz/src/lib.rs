@@ -235,9 +235,11 @@ const PNG: [u8; 74] = [
     20, 119, 5, 124, 33, 57, 115, 50, 0, 0, 0, 0, 73, 69, 78, 68, 174, 66, 96, 130,
 ];
 
-/// Returns a triangle as a file. Its material has a color texture and a normal texture.
+/// Returns a triangle as a file. Its material has a color texture and a normal texture, and its node a light.
 pub fn painted() -> Vec<u8> {
-    let json = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+    let json = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"extensions":{"KHR_lights_punctual":{"light":0}}}],
+"extensions":{"KHR_lights_punctual":{"lights":[{"type":"spot","intensity":40,"color":[1,0.5,0.25],"range":3,
+"spot":{"innerConeAngle":0.2,"outerConeAngle":0.4}}]}},
 "images":[{"bufferView":3,"mimeType":"image/png"}],"textures":[{"source":0}],
 "materials":[{"alphaMode":"MASK","alphaCutoff":0.25,"normalTexture":{"index":0,"scale":0.5},
 "pbrMetallicRoughness":{"baseColorFactor":[1,0.5,1,1],"roughnessFactor":0.5,"baseColorTexture":{"index":0,

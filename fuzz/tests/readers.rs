@@ -96,7 +96,8 @@ fn glb() {
 #[test]
 fn painted_glb() {
     let read = read_given_body(&[("a.glb".into(), painted().into())], &ImportOptions::default());
-    assert!(read.expect("it is whole").mesh.paint.is_some(), "it has its picture");
+    let read = read.expect("it is whole");
+    assert!(read.mesh.paint.is_some() && read.lights.len() == 1, "it has its picture and its light");
     survives("a.glb", &painted(), mesh);
 }
 

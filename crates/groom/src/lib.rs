@@ -11,7 +11,7 @@
 //! A module uses only modules of the lines above its own (`tests/modules.rs` checks this list):
 //!
 //! ```text
-//! attribute bulk columns curve error hash near progress rotation sdf srgb │ plain data; columns of integers
+//! attribute bulk columns curve error hash light near progress rotation sdf srgb │ plain data; columns of integers
 //! mesh random range scalp strands                      │ triangle meshes; the scalp and maps on it; explicit strands
 //! card_sheet skin tie                                  │ cards to draw; the skin under roots; bands, braids, pins
 //! guides lint look rig                                 │ simulated strands; checks; materials; rigs of skinned meshes
@@ -51,6 +51,7 @@ pub mod guides;
 pub mod hash;
 pub mod head;
 pub mod import;
+pub mod light;
 pub mod lint;
 pub mod look;
 pub mod mannequin;

@@ -1,6 +1,6 @@
 //! Report of a groom import.
 
-use crate::{Followers, Look, Rig, Strands, lint, orient};
+use crate::{Followers, Look, Rig, Strands, light::PunctualLight, lint, orient};
 use std::path::PathBuf;
 
 /// Contents of one file.
@@ -29,6 +29,8 @@ pub struct ImportReport {
     pub head_placement: Option<orient::Placement>,
     /// Rig of the head, if its files have one.
     pub rig: Option<Rig>,
+    /// Lights in the files of groom and head.
+    pub lights: Vec<PunctualLight>,
     /// Lint findings before the repair.
     pub lint: lint::LintReport,
     /// Changes made by the repair.

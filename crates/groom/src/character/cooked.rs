@@ -30,7 +30,8 @@ impl CharacterSource {
         let known = Some(CookedParts { groom, levels_of_head: levels });
         let neck = neck(strands.iter().filter_map(|strand| strand.first().copied()), head.as_ref());
         let hair = HairInput::Imported { strands, field, known };
-        let mut base = Self { head, neck, anatomy, hair, notes: Vec::new(), report: None };
+        let mut base =
+            Self { head, neck, anatomy, hair, lights: Vec::new(), notes: Vec::new(), report: None };
         let name = path.display().to_string();
         base.tell(report, &name, &name);
         Ok(base)

@@ -48,19 +48,20 @@ impl CharacterSource {
                 head: Some(head),
                 neck: mannequin::NECK_JOINT,
                 hair: HairInput::Edited { document, field: Some(scalp.field) },
+                lights: Vec::new(),
                 notes: Vec::new(),
                 report: None,
             });
         }
-        let (head, rig) = match import::edited_body(&document)? {
-            Some(body) => (Some(body.mesh), body.rig),
-            None => (None, None),
+        let (head, rig, lights) = match import::edited_body(&document)? {
+            Some(body) => (Some(body.mesh), body.rig, body.lights),
+            None => (None, None, Vec::new()),
         };
         let anatomy = anatomy(rig, head.as_ref(), guides())?;
         let field = field_of(anatomy.as_ref(), head.as_ref(), &path.display().to_string(), progress).await?;
         let neck = neck(guides().map(|guide| guide[0]), head.as_ref());
         let hair = HairInput::Edited { document, field };
-        Ok(Self { head, neck, anatomy, hair, notes: Vec::new(), report: None })
+        Ok(Self { head, neck, anatomy, hair, lights, notes: Vec::new(), report: None })
     }
 
     /// Returns the version of the groom, if the source is an edited one.
@@ -101,6 +102,7 @@ impl CharacterSource {
             neck: self.neck,
             anatomy: self.anatomy.clone(),
             hair: HairInput::Edited { document, field: self.field().cloned() },
+            lights: self.lights.clone(),
             notes: self.notes.clone(),
             report: self.report.clone(),
         }

@@ -29,6 +29,7 @@ use crate::{
     Strands, TriMesh, bind, bind_filled, curve,
     grow::{self, Curls, Growth, ScalpPaint},
     import::{self, FileBytes, ImportOptions, ImportReport},
+    light::PunctualLight,
     lint, mannequin,
     mesh::{
         MeshLevel,
@@ -135,6 +136,7 @@ pub struct CharacterSource {
     neck: Vec3,
     anatomy: Option<Anatomy>,
     hair: HairInput,
+    lights: Vec<PunctualLight>,
     notes: Vec<String>,
     /// Report on the files and their orientation; `None` for built-in styles.
     pub report: Option<ImportReport>,
@@ -174,6 +176,7 @@ impl CharacterSource {
             head: Some(head),
             neck: mannequin::NECK_JOINT,
             hair: HairInput::BuiltIn { style: *style, styled, scalp, own: None },
+            lights: Vec::new(),
             notes: Vec::new(),
             report: None,
         }
@@ -206,7 +209,7 @@ impl CharacterSource {
         Ok(base)
     }
 
-    /// Keeps the import report and collects notes on uncertain guesses.
+    /// Keeps the import report and its lights, and collects notes on uncertain guesses.
     fn tell(&mut self, report: ImportReport, groom: &str, head: &str) {
         // Groom and head may have the same doubts.
         let doubts = |what: String, placement: &Placement| -> Vec<String> {
@@ -216,6 +219,7 @@ impl CharacterSource {
         if let Some(placement) = &report.head_placement {
             self.notes.extend(doubts(format!("head {head}"), placement));
         }
+        self.lights.clone_from(&report.lights);
         self.report = Some(report);
     }
 
@@ -254,6 +258,7 @@ impl CharacterSource {
             neck,
             anatomy,
             hair: HairInput::Imported { strands, field, known: None },
+            lights: Vec::new(),
             notes: Vec::new(),
             report: None,
         })
@@ -262,6 +267,11 @@ impl CharacterSource {
     /// Returns notes on uncertain guesses of the import, one sentence each.
     pub fn notes(&self) -> impl Iterator<Item = &str> {
         self.notes.iter().map(String::as_str)
+    }
+
+    /// Returns the lights that the files brought, in groom space.
+    pub fn lights(&self) -> &[PunctualLight] {
+        &self.lights
     }
 
     /// Returns the built-in style, if the source is one.
@@ -388,6 +398,7 @@ impl CharacterSource {
             levels,
             ties,
             look,
+            lights: self.lights.clone(),
             notes,
         })
     }

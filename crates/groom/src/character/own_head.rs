@@ -68,6 +68,7 @@ impl CharacterSource {
                     placement: body.placement,
                 }),
             },
+            lights: body.lights,
             notes,
             report: None,
         })

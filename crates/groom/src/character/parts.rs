@@ -6,6 +6,7 @@ use crate::cards::{CardStrands, Cards};
 use crate::{
     Groom, Look, Result, Rig, SdfGrid, TriMesh,
     card_sheet::CardSheet,
+    light::PunctualLight,
     mannequin,
     mesh::{
         MeshLevel,
@@ -66,6 +67,8 @@ pub struct CharacterParts {
     pub ties: Vec<Tie>,
     /// The fiber that the groom's file describes.
     pub look: Option<Look>,
+    /// Lights that the files brought, in groom space.
+    pub lights: Vec<PunctualLight>,
     /// Warnings for the user, one sentence each.
     pub notes: Vec<String>,
 }
@@ -104,6 +107,7 @@ impl CharacterParts {
             levels: Vec::new(),
             ties: Vec::new(),
             look: None,
+            lights: Vec::new(),
             notes: Vec::new(),
         }
     }

@@ -3,6 +3,7 @@
 use super::CookedGroom;
 use crate::{
     Groom, Look, MAX_GUIDE_VERTICES, MAX_STRAND_VERTICES, MAX_VERTICES, Rig, SdfGrid, Strands,
+    light::PunctualLight,
     orient::Placement,
     rig::{Animation, MAX_JOINTS, Property, Transform},
 };
@@ -41,6 +42,7 @@ impl CookedGroom {
         let placed = |p: &Placement| p.unit.0.is_finite() && p.unit.0 > 0.0 && p.translation.is_finite();
         ensure(placements.into_iter().flatten().all(placed), "the unit or the translation is invalid")?;
         self.report_text.look.as_ref().map_or(Ok(()), Look::check).map_err(|error| error.to_string())?;
+        self.report_text.lights.iter().try_for_each(PunctualLight::check)?;
         groom(&self.groom)?;
         // Strands marked as guides are not drawn if the groom has other strands.
         let guides = self.strands.marks.iter().filter(|mark| mark.guide).count();

@@ -22,6 +22,7 @@ mod tests;
 use crate::{
     BindOptions, Followers, Groom, Look, Rig, SdfGrid, Strands, TriMesh, bind,
     error::{At, Error, Result},
+    light::PunctualLight,
     lint, mesh, orient,
     report::{Attributes, FileReport, ImportReport, StrandGroup},
 };
@@ -30,7 +31,7 @@ use std::path::Path;
 
 /// Version of the format. Increase it when a type in [`CookedGroom`] changes and, between releases, when a stored value
 /// is computed differently.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 /// Version of this crate.
 const TRESSES: &str = env!("CARGO_PKG_VERSION");
 /// Magic bytes. Text cannot begin with `\x89`, and a transfer in text mode would change the line ending.
@@ -72,6 +73,7 @@ struct ReportText {
     groups: Vec<StrandGroup>,
     attributes: Attributes,
     look: Option<Look>,
+    lights: Vec<PunctualLight>,
 }
 
 impl CookedGroom {
@@ -104,6 +106,7 @@ impl CookedGroom {
             groups: report.groups.clone(),
             attributes: report.attributes.clone(),
             look: report.look,
+            lights: report.lights.clone(),
         };
         Ok(Self { strands, head, levels, field, rig, parts: Vec::new(), groom, report_text })
     }
@@ -185,6 +188,7 @@ impl CookedGroom {
             placement: text.placement,
             head_placement: text.head_placement,
             rig: None,
+            lights: text.lights,
             lint: text.lint,
             repaired: text.repaired,
             followers: text.followers,

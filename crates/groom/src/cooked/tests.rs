@@ -3,6 +3,7 @@ use crate::bound::Strand;
 use crate::rig::{Animation, Bind, Channel, Curve, Delta, Interpolation, Joint, MorphTarget, Node, Property};
 use crate::{
     BoundStrands, Guides, Influence,
+    light::PunctualShape,
     mesh::{
         Paint,
         paint::{Coat, Texture},
@@ -59,11 +60,15 @@ fn sample() -> CookedGroom {
         vertices: 120,
         notes: vec!["one note".into()],
     };
+    let shape = PunctualShape::Spot { position: Vec3::Y, direction: Vec3::NEG_Y, inner: 0.2, outer: 0.4 };
+    let light =
+        PunctualLight { name: "lamp".into(), shape, color: Vec3::ONE, intensity: 8.0, range: f32::INFINITY };
     let report = ImportReport {
         files: vec![file],
         placement: orient::Placement::default(),
         head_placement: Some(orient::Placement::default()),
         rig: None,
+        lights: vec![light],
         lint: lint::check(&strands, Some(&head)),
         repaired: lint::RepairReport { merged_vertices: 7, ..Default::default() },
         followers: vec![Followers { count: 2, radius: Some(0.001) }; 40],
@@ -121,7 +126,7 @@ fn layout_matches_version() {
     still.groom.strands = BoundStrands::new(2);
     still.groom.strands.push(Strand { seed: 9, ..Default::default() }, &rest, &[0.5, 1.0], &[follows]);
     let sum = crc32fast::hash(&postcard::to_allocvec(&still).unwrap());
-    assert_eq!((VERSION, sum), (3, 1_041_159_065), "the layout of a cooked groom has changed");
+    assert_eq!((VERSION, sum), (4, 3_808_408_278), "the layout of a cooked groom has changed");
 }
 
 #[test]
@@ -160,7 +165,8 @@ fn paint(cooked: &mut CookedGroom) -> &mut Paint {
 /// A valid checksum does not bypass validation.
 #[test]
 fn inconsistent_groom_is_rejected() {
-    let wrongs: [fn(&mut CookedGroom); 34] = [
+    let wrongs: [fn(&mut CookedGroom); 35] = [
+        |c| c.report_text.lights[0].intensity = -1.0,
         |c| c.report_text.look.as_mut().unwrap().eumelanin = f32::NAN,
         |c| c.strands.offsets[3] = 2,
         |c| c.strands.offsets[40] = 1000,

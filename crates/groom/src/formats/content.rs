@@ -33,6 +33,8 @@ pub enum ContentKind {
     Rig,
     /// Animations of the joints and blend shapes.
     Animations,
+    /// Lights of the scene.
+    Lights,
     /// Data that opening a groom computes.
     Computed,
 }
@@ -56,6 +58,7 @@ impl ContentKind {
             Self::Textures => "textures",
             Self::Rig => "joints and blend shapes",
             Self::Animations => "animations",
+            Self::Lights => "lights",
             Self::Computed => "precomputed data",
         }
     }

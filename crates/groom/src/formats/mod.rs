@@ -174,7 +174,7 @@ pub const FORMATS: &[FileFormat] = &[
         feature: Some("gltf"),
         reads: &[
             Strands, Widths, Colors, RootUvs, PinnedTips, Guides, Attributes, Look, Units, Mesh, Textures,
-            Rig, Animations,
+            Rig, Animations, Lights,
         ],
         read: with!("gltf", |source, _| gltf::read(source)),
         read_mesh: with!("gltf", gltf::read_mesh),
@@ -266,7 +266,7 @@ pub const FORMATS: &[FileFormat] = &[
         feature: Some("cooked"),
         reads: &[
             Strands, Widths, Colors, RootUvs, PinnedTips, Guides, Attributes, Followers, Look, Units, Mesh,
-            Textures, Rig, Animations, Computed,
+            Textures, Rig, Animations, Lights, Computed,
         ],
         read: with!("cooked", |source, _| {
             let problem = "a cooked groom is complete and cannot be part of another";
@@ -279,7 +279,7 @@ pub const FORMATS: &[FileFormat] = &[
         name: "groom edited in the studio",
         extensions: &["groom"],
         feature: Some("edit"),
-        reads: &[Strands, Widths, Colors, PinnedTips, Guides, Units, Mesh, Textures, Rig, Animations],
+        reads: &[Strands, Widths, Colors, PinnedTips, Guides, Units, Mesh, Textures, Rig, Animations, Lights],
         read: with!("edit", |source, _| {
             let problem = "an edited groom is complete and cannot be part of another";
             Err(source.problem(At::File, problem))

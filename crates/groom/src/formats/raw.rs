@@ -3,6 +3,7 @@
 use crate::{
     Followers, Look, Rig, Strands, TriMesh,
     attribute::StrandAttribute,
+    light::PunctualLight,
     orient::{LengthUnit, OrientationOverride},
     strands::Mark,
 };
@@ -38,6 +39,16 @@ pub(crate) struct Raw {
     pub group_names: BTreeMap<i32, String>,
     /// Hair material.
     pub look: Option<Look>,
+    /// Lights of the scene.
+    pub lights: RawLights,
+}
+
+/// Lights of a file, in its own unit and axes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct RawLights {
+    pub lights: Vec<PunctualLight>,
+    /// Notes on invalid lights.
+    pub notes: Vec<String>,
 }
 
 /// Parses unit and axes from a text that may contain [`MARK`] or [`CENTIMETERS`].
@@ -57,6 +68,7 @@ impl Raw {
             strands: Strands::default(),
             format,
             look: None,
+            lights: RawLights::default(),
             notes: Vec::new(),
             declared: OrientationOverride::default(),
             followers: Vec::new(),
@@ -82,6 +94,8 @@ impl Raw {
     pub fn append(&mut self, more: Self) -> Vec<String> {
         let mut notes = Vec::new();
         self.look = self.look.or(more.look);
+        self.lights.lights.extend(more.lights.lights);
+        self.lights.notes.extend(more.lights.notes);
         let (a, b) = (&mut self.strands, more.strands);
         let (before, added) = (a.len(), b.len());
         let base = a.positions.len() as u32;
@@ -140,6 +154,8 @@ pub struct RawMesh {
     /// Rig of the mesh, with the same vertices in the same order, if the file has a skin, morph targets or an
     /// animation.
     pub rig: Option<Rig>,
+    /// Lights of the scene.
+    pub lights: Vec<PunctualLight>,
     /// Notes on skipped data.
     pub notes: Vec<String>,
 }

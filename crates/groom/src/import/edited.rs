@@ -87,15 +87,16 @@ pub fn edited_complete(
         vertices: strands.positions.len(),
         notes: Vec::new(),
     };
-    let (head, rig, head_placement) = match body {
-        Some(body) => (Some(body.mesh), body.rig, Some(body.placement)),
-        None => (None, None, None),
+    let (head, rig, lights, head_placement) = match body {
+        Some(body) => (Some(body.mesh), body.rig, body.lights, Some(body.placement)),
+        None => (None, None, Vec::new(), None),
     };
     let report = ImportReport {
         files: vec![file],
         placement: Placement::default(),
         head_placement,
         rig,
+        lights,
         lint: lint::check(&strands, head.as_ref()),
         repaired: lint::RepairReport::default(),
         followers: Vec::new(),
@@ -133,7 +134,12 @@ pub fn edited_body(document: &GroomDocument) -> Result<Option<ImportedBody>> {
         HeadFiles::None => return Ok(None),
         HeadFiles::BuiltIn => {
             let mesh = mannequin::mesh(mannequin::RESOLUTION);
-            return Ok(Some(ImportedBody { mesh, rig: None, placement: Placement::default() }));
+            return Ok(Some(ImportedBody {
+                mesh,
+                rig: None,
+                lights: Vec::new(),
+                placement: Placement::default(),
+            }));
         }
         HeadFiles::Files { files, orientation } => (files, orientation),
     };
@@ -142,8 +148,8 @@ pub fn edited_body(document: &GroomDocument) -> Result<Option<ImportedBody>> {
         && crate::formats::is_cooked(path)
     {
         let cooked = crate::CookedGroom::read(path, bytes)?;
-        let placement = Placement::default();
-        return Ok(cooked.head.map(|mesh| ImportedBody { mesh, rig: cooked.rig, placement }));
+        let (placement, lights) = (Placement::default(), cooked.report(path).lights);
+        return Ok(cooked.head.map(|mesh| ImportedBody { mesh, rig: cooked.rig, lights, placement }));
     }
     let files: Vec<FileBytes<'_>> =
         files.iter().map(|(name, bytes)| (name.clone(), Cow::Borrowed(&**bytes))).collect();

@@ -8,28 +8,33 @@ use crate::{
     MAX_VERTICES,
     error::{Error, Result},
     formats::{
-        raw::Raw,
+        raw::{Raw, RawLights},
         source::{Files, Source},
     },
 };
 
-/// Reads and joins files that share one unit and one set of axes.
+/// Reads and joins files that share one unit and one set of axes. Omits the lights of the files that are also `heads`.
 pub(super) fn read<P: AsRef<Path>>(
     files: Files<'_>,
     paths: &[P],
+    heads: &[&Path],
     options: &ImportOptions,
 ) -> Result<(Raw, Vec<FileReport>)> {
     let mut reports: Vec<FileReport> = Vec::new();
     let mut joined: Option<Raw> = None;
     for path in paths {
         let path = path.as_ref();
-        let raw = {
+        let mut raw = {
             let bytes = files.load(path)?;
             parse_source(
                 &Source { path, bytes: &bytes, files, lenient: options.allows_non_finite },
                 options.moment,
             )?
         };
+        if heads.contains(&path) {
+            raw.lights = RawLights::default();
+        }
+        raw.notes.append(&mut raw.lights.notes);
         reports.push(FileReport {
             path: path.to_path_buf(),
             format: raw.format,

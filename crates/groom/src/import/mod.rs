@@ -29,6 +29,7 @@ use crate::{
     Rig, Strands, TriMesh,
     error::{At, Error, Result},
     formats::{self, FileFormat, source::Files},
+    light::PunctualLight,
     lint,
     orient::{self, KnownOrientation},
 };
@@ -72,6 +73,8 @@ pub struct ImportedBody {
     pub mesh: TriMesh,
     /// Rig with the same vertices in the same order, if the files have one.
     pub rig: Option<Rig>,
+    /// Lights in the files.
+    pub lights: Vec<PunctualLight>,
     /// Transform from the files to meters, Y up, face +Z.
     pub placement: orient::Placement,
 }
@@ -256,15 +259,16 @@ fn body_of<H: AsRef<Path>>(files: Files<'_>, heads: &[H], options: &ImportOption
     let mut placement = orient::head(&raw.mesh, &known);
     placement.doubts.append(&mut raw.notes);
     orient_mesh(&mut raw, &placement);
-    Ok(ImportedBody { mesh: raw.mesh, rig: raw.rig, placement })
+    Ok(ImportedBody { mesh: raw.mesh, rig: raw.rig, lights: raw.lights, placement })
 }
 
-/// Transforms a mesh and its rig to meters, Y up, face +Z.
+/// Transforms a mesh with its rig and lights to meters, Y up, face +Z.
 fn orient_mesh(raw: &mut mesh::RawMesh, placement: &orient::Placement) {
     placement.apply_to_mesh(&mut raw.mesh);
     if let Some(rig) = &mut raw.rig {
         placement.apply_to_rig(rig);
     }
+    placement.apply_to_lights(&mut raw.lights);
 }
 
 fn read_all<P: AsRef<Path>>(
@@ -285,8 +289,9 @@ fn read_all<P: AsRef<Path>>(
     if let Some((path, document)) = edited::find(from, paths, &heads, options)? {
         return edited_complete(path, &document);
     }
-    let (raw, files) = join::read(from, paths, options)?;
-    let (mut strands, mut followers) = (raw.strands, raw.followers);
+    // Lights of files that are read as heads too come with the heads.
+    let (raw, files) = join::read(from, paths, &heads.paths, options)?;
+    let (mut strands, mut followers, mut lights) = (raw.strands, raw.followers, raw.lights.lights);
     let mut head = if heads.paths.is_empty() { None } else { Some(mesh::read_from(from, &heads.paths)?) };
     let known = KnownOrientation { given: options.orient, declared: raw.declared };
     let (placement, mut head_placement) = match &head {
@@ -307,11 +312,13 @@ fn read_all<P: AsRef<Path>>(
         placement.doubts.append(&mut head.notes);
     }
     placement.apply(&mut strands);
+    placement.apply_to_lights(&mut lights);
     for radius in followers.iter_mut().filter_map(|followers| followers.radius.as_mut()) {
         *radius *= placement.unit.0;
     }
     if let (Some(head), Some(placement)) = (&mut head, &head_placement) {
         orient_mesh(head, placement);
+        lights.append(&mut head.lights);
     }
     let (head, rig) = head.map_or((None, None), |h| (Some(h.mesh), h.rig));
     let (groups, attributes) = (groups(&strands, &raw.group_names), Attributes::of(&strands));
@@ -334,6 +341,7 @@ fn read_all<P: AsRef<Path>>(
         placement,
         head_placement,
         rig,
+        lights,
         lint,
         repaired,
         followers,

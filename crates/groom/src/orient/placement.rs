@@ -3,7 +3,10 @@
 use glam::{Mat3, Mat4, Vec3};
 
 use super::{Axis, LengthUnit};
-use crate::{Rig, Strands, TriMesh};
+use crate::{
+    Rig, Strands, TriMesh,
+    light::{PunctualLight, PunctualShape},
+};
 
 /// Transform from a file's coordinates to meters, Y up, face +Z, with its reasons.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,6 +102,28 @@ impl Placement {
     pub fn apply_to_rig(&self, rig: &mut Rig) {
         rig.to_groom = self.matrix() * rig.to_groom;
     }
+
+    /// Transforms lights in place, as [`Self::apply_to_mesh`] transforms a mesh. The unit scales luminous intensity by
+    /// its square, so that the mesh stays as bright as in the file.
+    pub fn apply_to_lights(&self, lights: &mut [PunctualLight]) {
+        let scale = self.unit.0;
+        let area = |intensity: f32| (intensity * scale * scale).min(f32::MAX);
+        for light in lights {
+            light.range *= scale;
+            match &mut light.shape {
+                PunctualShape::Directional { direction } => *direction = self.axes() * *direction,
+                PunctualShape::Point { position } => {
+                    *position = self.point(*position);
+                    light.intensity = area(light.intensity);
+                }
+                PunctualShape::Spot { position, direction, .. } => {
+                    *position = self.point(*position);
+                    *direction = self.axes() * *direction;
+                    light.intensity = area(light.intensity);
+                }
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -112,6 +137,40 @@ mod tests {
         assert!(zup.axes().determinant() > 0.0);
         let mirrored = Placement { front: Axis::NegZ, mirrored: true, ..Default::default() };
         assert_eq!(mirrored.point(Vec3::new(1.0, 2.0, 3.0)), Vec3::new(1.0, 2.0, -3.0));
+    }
+
+    #[test]
+    fn lights_illuminate_as_in_the_file() {
+        let light = |shape| PunctualLight {
+            name: String::new(),
+            shape,
+            color: Vec3::ONE,
+            intensity: 9.0,
+            range: 50.0,
+        };
+        let (position, direction) = (Vec3::new(1.0, 2.0, 3.0), Vec3::Z);
+        let mut lights = [
+            light(PunctualShape::Directional { direction }),
+            light(PunctualShape::Point { position }),
+            light(PunctualShape::Spot { position, direction, inner: 0.1, outer: 0.2 }),
+        ];
+        let translation = Vec3::X;
+        let zup = Placement {
+            up: Axis::Z,
+            front: Axis::Y,
+            unit: LengthUnit(0.01),
+            translation,
+            ..Default::default()
+        };
+        zup.apply_to_lights(&mut lights);
+        let (position, direction) = (zup.point(position), Vec3::Y);
+        assert_eq!(lights[0].shape, PunctualShape::Directional { direction });
+        assert_eq!(lights[1].shape, PunctualShape::Point { position });
+        assert_eq!(lights[2].shape, PunctualShape::Spot { position, direction, inner: 0.1, outer: 0.2 });
+        // At a hundredth of the distance, a ten-thousandth of the intensity gives the same irradiance.
+        for (light, expected) in lights.iter().zip([9.0, 9e-4, 9e-4]) {
+            assert!((light.intensity / expected - 1.0).abs() < 1e-6 && light.range == 0.5, "{light:?}");
+        }
     }
 
     #[test]

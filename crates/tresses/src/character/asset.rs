@@ -9,10 +9,11 @@ use crate::{
     groom::{
         Look, SdfGrid,
         character::CharacterParts,
+        light::{PunctualLight, PunctualShape},
         rig::anatomy::{DistanceFieldSource, PartForm},
     },
     hair::{HairAsset, HairDescriptor, HairOptions},
-    light::Sphere,
+    light::{Light, LightShape, Sphere},
     lod::LodOptions,
     roots::RootAsset,
     simulate::SimulationParams,
@@ -124,6 +125,8 @@ pub struct CharacterAsset {
     pub(super) obstacles: Obstacles,
     pub(super) field: Option<SdfGrid>,
     pub(super) look: Option<Look>,
+    /// [`CharacterAsset::lights`].
+    lights: Vec<Light>,
     pub(super) neck: Vec3,
     pub(super) subject: Bounds,
     pub(super) focus: Sphere,
@@ -217,6 +220,7 @@ impl CharacterAsset {
             body = Some(drawn);
         }
         let subject = subject(hair_bounds, head_bounds);
+        let lights = (0..).zip(&parts.lights).map(|(id, light)| Light::from(light).with_id(id)).collect();
         let mut focus = Sphere::around(subject.0, subject.1);
         focus.radius *= SWING;
         Ok(Arc::new(Self {
@@ -228,9 +232,61 @@ impl CharacterAsset {
             obstacles,
             field: parts.field,
             look: parts.look,
+            lights,
             neck: parts.neck,
             subject,
             focus,
         }))
+    }
+
+    /// Returns the lights that the character's files brought, in their order, which is also their
+    /// [`id`](Light::id). Their space is the character's own, at rest: meters, Y up, face towards +Z. The library does
+    /// not use them; add them to [`Lights::list`](crate::light::Lights::list).
+    pub fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+}
+
+impl From<&PunctualLight> for Light {
+    fn from(light: &PunctualLight) -> Self {
+        let shape = match light.shape {
+            PunctualShape::Directional { direction } => LightShape::Distant { direction: -direction },
+            PunctualShape::Point { position } => LightShape::Point { position },
+            PunctualShape::Spot { position, direction, inner, outer } => {
+                LightShape::Spot { position, direction, inner, outer }
+            }
+        };
+        Self { color: light.color, range: light.range, ..Self::new(shape, light.intensity) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lights_of_files_shine_as_stated() {
+        let light = |shape| PunctualLight {
+            name: String::new(),
+            shape,
+            color: Vec3::new(1.0, 0.5, 0.25),
+            intensity: 8.0,
+            range: 100.0,
+        };
+        let (position, direction) = (Vec3::Y * 2.0, Vec3::NEG_Y);
+        let shapes = [
+            (PunctualShape::Directional { direction }, 8.0),
+            (PunctualShape::Point { position }, 2.0),
+            (PunctualShape::Spot { position, direction, inner: 0.2, outer: 0.4 }, 2.0),
+        ];
+        for (shape, expected) in shapes {
+            let converted = Light::from(&light(shape));
+            converted.check().unwrap();
+            let (towards, irradiance) = converted.irradiance_at(Vec3::ZERO);
+            assert_eq!(towards, Vec3::Y);
+            let expected = expected * Vec3::new(1.0, 0.5, 0.25);
+            assert!(irradiance.abs_diff_eq(expected, 1e-5), "{shape:?}: {irradiance}");
+            assert_eq!(converted.range, 100.0);
+        }
     }
 }

@@ -57,6 +57,7 @@ pub(super) fn read_from<P: AsRef<Path>>(files: Files<'_>, paths: &[P]) -> Result
                     rig.append(more).map_err(|e| at_file(path, e))?;
                 }
                 append(&mut all.mesh, part.mesh);
+                all.lights.extend(part.lights);
                 all.notes.extend(part.notes);
                 all.declared = all.declared.shared(part.declared);
                 all

@@ -171,6 +171,14 @@ pub fn edited(file: &[u8], from: &str, to: &str) -> Vec<u8> {
     pack(json.replace(from, to).trim_end().as_bytes().to_vec(), file[28 + length..].to_vec())
 }
 
+/// Returns the GLB file with its JSON changed.
+pub fn changed(file: &[u8], change: impl FnOnce(&mut Value)) -> Vec<u8> {
+    let length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
+    let mut root = serde_json::from_slice(&file[20..20 + length]).unwrap();
+    change(&mut root);
+    pack(root.to_string().into_bytes(), file[28 + length..].to_vec())
+}
+
 /// Returns a GLB file with these two chunks.
 pub fn pack(mut json: Vec<u8>, mut bin: Vec<u8>) -> Vec<u8> {
     json.resize(json.len().next_multiple_of(4), b' ');

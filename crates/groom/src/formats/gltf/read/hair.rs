@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use gltf::Accessor;
 use serde_json::{Map, Value};
 
-use super::{file::File, packed};
+use super::{file::File, lights, packed, walk};
 use crate::{
     Look, Strands,
     attribute::{MAX_WIDTH, StrandAttribute},
@@ -56,6 +56,11 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
             let notes = raw.append(more);
             raw.notes.extend(notes);
         }
+    }
+    // Only files with lights need valid nodes.
+    if file.document.lights().is_some() {
+        let (placed, _) = walk::default_scene(&file)?;
+        raw.lights = lights::read(&file, &placed);
     }
     Ok(raw)
 }

@@ -1,13 +1,14 @@
 //! Reads glTF and GLB meshes with the `gltf` crate.
 //!
 //! Every accessor is checked against its view and its buffer before it is read. The reader visits the nodes of the
-//! scene in order, parents before children, then the meshes of the nodes, then the animations. Skinned vertices are
-//! returned in the rest pose.
+//! scene in order, parents before children, then the meshes of the nodes, then the animations and the lights. Skinned
+//! vertices are returned in the rest pose.
 
 mod accessors;
 mod animation;
 mod file;
 pub(super) mod hair;
+mod lights;
 mod morph;
 mod packed;
 #[cfg(feature = "textures")]
@@ -43,11 +44,7 @@ struct Rigging {
 /// Reads all triangles of the default scene at rest, the rig if anything moves, and notes on skipped data.
 pub(crate) fn read_mesh(source: &Source) -> Result<RawMesh> {
     let file = packed::open(source)?;
-    let scene = file.document.default_scene().or_else(|| file.document.scenes().next());
-    let (placed, scene_indices) = match scene {
-        Some(scene) => walk::scene(&file, scene)?,
-        None => Default::default(),
-    };
+    let (placed, scene_indices) = walk::default_scene(&file)?;
     let moves = may_move(&file);
     let mut reader = Reader::new(&file, moves.then(|| Rigging::new(&placed, &scene_indices)));
     for (i, node) in placed.iter().enumerate() {
@@ -63,7 +60,11 @@ pub(crate) fn read_mesh(source: &Source) -> Result<RawMesh> {
             reader.weights(&mesh, None, node)?;
         }
     }
-    reader.finish(&placed, &scene_indices)
+    let mut raw = reader.finish(&placed, &scene_indices)?;
+    let found = lights::read(&file, &placed);
+    raw.lights = found.lights;
+    raw.notes.extend(found.notes);
+    Ok(raw)
 }
 
 /// Returns whether a file has skins, animations or morph targets.

@@ -63,7 +63,7 @@ impl<'a> Reader<'a> {
         if self.lacks_normals {
             self.mesh.normals.clear();
         }
-        Ok(RawMesh { mesh: self.mesh, declared: OrientationOverride::METERS, rig, notes })
+        Ok(RawMesh { mesh: self.mesh, declared: OrientationOverride::METERS, rig, lights: Vec::new(), notes })
     }
 
     /// Adds a node for a mesh that no scene contains and returns its index.

@@ -18,11 +18,14 @@ pub(super) struct PlacedNode<'a> {
     pub global: Mat4,
 }
 
-/// Returns the nodes of a scene in order, and the index in this list of each node of the file.
-pub(super) fn scene<'a>(
-    file: &'a File,
-    scene: gltf::Scene<'a>,
-) -> Result<(Vec<PlacedNode<'a>>, Vec<Option<u32>>)> {
+/// Returns the nodes of the default scene in order, and the index in this list of each node of the file. Both are empty
+/// in files without a scene.
+pub(super) fn default_scene<'a>(file: &'a File) -> Result<(Vec<PlacedNode<'a>>, Vec<Option<u32>>)> {
+    let found = file.document.default_scene().or_else(|| file.document.scenes().next());
+    found.map_or_else(|| Ok(Default::default()), |found| scene(file, found))
+}
+
+fn scene<'a>(file: &'a File, scene: gltf::Scene<'a>) -> Result<(Vec<PlacedNode<'a>>, Vec<Option<u32>>)> {
     let mut walk = Walk { file, placed: Vec::new(), scene_indices: vec![None; file.document.nodes().len()] };
     scene.nodes().try_for_each(|node| walk.node(node, None, 0))?;
     Ok((walk.placed, walk.scene_indices))

@@ -67,6 +67,6 @@ pub(crate) fn read(source: &Source) -> Result<RawMesh> {
             .map_err(|problem| scene.problem(format!("{path}: {problem}")))?;
         }
         let (rig, notes) = rigging.finish(&scene, &skeletons, &tree.animations, &mut mesh)?;
-        Ok(RawMesh { mesh, rig, declared: scene.declared()?, notes })
+        Ok(RawMesh { mesh, rig, declared: scene.declared()?, lights: Vec::new(), notes })
     })
 }
