@@ -139,7 +139,7 @@ package: setup ## Pack each crate that is meant to be published, and compile it 
 bevy: setup ## Check the plugin for Bevy and run its tests, without a window
 	cd bindings/bevy && $(CARGO) fmt --check && $(LINTED) test --features cards
 
-truth: setup ## Path-trace 52 views of hair with Mitsuba, an hour, and compare ours with them (docs/validation/path-tracing.md)
+truth: setup ## Path-trace 65 views of hair with Mitsuba, two hours, and compare ours with them (docs/validation/path-tracing.md)
 	test -d target/truth/python || python3 -m venv target/truth/python
 	target/truth/python/bin/pip install --quiet mitsuba==3.9.1 numpy pillow
 	$(CARGO) build --bin tresses

@@ -5,8 +5,10 @@
 //! Strands and head are read unchanged from the files that the reference names. Nothing is oriented, simulated or
 //! fitted, so only rendering differs. If the reference has images of each light's single scattering, the light is split
 //! by how often it was scattered ([`orders`]). If it has them with and without shadows, the transmitted fractions are
-//! compared too ([`share`]).
+//! compared too ([`transmission`]). A crowd is compared head by head ([`heads`]).
 
+mod heads;
+mod lights;
 mod metrics;
 mod orders;
 mod rig;
@@ -20,6 +22,7 @@ use crate::{
     picture, progress, say,
 };
 use anyhow::{Context, Result, ensure};
+use heads::HeadLuminance;
 use metrics::{Difference, Linear};
 use orders::ScatteringOrders;
 use rig::ReferenceScene;
@@ -87,6 +90,8 @@ struct Report {
     lights: Vec<Row>,
     /// The light of lamps by how often it was scattered.
     orders: Vec<ScatteringOrders>,
+    /// The heads of crowds.
+    heads: Vec<HeadLuminance>,
     /// Transmitted fractions of single lights.
     #[serde(rename = "shares")]
     transmissions: Vec<Transmission>,
@@ -132,6 +137,9 @@ pub fn run(args: &CompareArgs) -> Result<()> {
             reference: Tones::new(reference, &regions, noise),
         };
         report.views.push(row(view.name, Some(difference), Some(view.noise), &linear, &radiance.linear));
+        if let Some(owners) = folders.heads(view, size)? {
+            report.heads.extend(HeadLuminance::of_view(view.name, &owners, &linear, &radiance.linear));
+        }
         let mut once = Vec::new();
         for one in view.single_lights() {
             let linear = stage.radiance(&one, &scenes, &args.shading)?;
@@ -247,6 +255,22 @@ impl Report {
             let _ = writeln!(
                 text,
                 "{name:wide$}  {once_fraction:10.2}  {once:>6}  {several:>7}  {red:>6}  {green:>6}  {blue:>6}"
+            );
+        }
+        if !self.heads.is_empty() {
+            let _ = writeln!(
+                text,
+                "\nHair of each head of a crowd, linear luminance\n\
+                 {:wide$}  {:>4}  {:>6}  {:>9}  {:>9}  {:>6}",
+                "", "head", "pixels", "ours", "reference", "ratio"
+            );
+        }
+        for row in &self.heads {
+            let HeadLuminance { name, head, pixels, rendered, reference } = row;
+            let ratio = ratio(row.ratio());
+            let _ = writeln!(
+                text,
+                "{name:wide$}  {head:4}  {pixels:6}  {rendered:9.4}  {reference:9.4}  {ratio:>6}"
             );
         }
         if !self.transmissions.is_empty() {

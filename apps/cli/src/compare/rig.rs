@@ -19,10 +19,10 @@ use tresses::{
         orient::{Axis, LengthUnit, OrientationOverride},
         srgb::linear,
     },
-    light::{Light, Lights, Shadows, Sky, Sphere},
+    light::{Lights, Shadows, Sky, Sphere},
     low_level::{
         DebugDisplay, DebugView, DebugViews, Drawing, Hair, HairAsset, HairDescriptor, HairFrame,
-        ViewContent, readback::blocking as readback,
+        ViewContent, Zone, readback::blocking as readback,
     },
     renderer::Renderer,
 };
@@ -37,19 +37,21 @@ const POINT: f32 = 0.0005;
 /// Curve segments per segment of the control polygon.
 const FINER: usize = 2;
 
-/// A groom of the reference, at rest.
+/// A groom of the reference, at rest: one head, or several copies of it.
 pub struct ReferenceScene {
     name: String,
     context: Context,
-    hair: Hair,
-    body: Body,
+    /// The copies, each with its body at the same index.
+    heads: Vec<Hair>,
+    bodies: Vec<Body>,
     view: View,
     /// Created on first use.
     debug: Option<DebugViews>,
     output: wgpu::Texture,
     /// Meters per unit of the description.
     unit: f32,
-    focus: Sphere,
+    /// Region of the shadow maps of each head.
+    foci: Vec<Sphere>,
 }
 
 impl ReferenceScene {
@@ -79,9 +81,19 @@ impl ReferenceScene {
             bind(&strands, &BindOptions { strand_vertex_count: Some(vertices), ..Default::default() })?;
         let head = head(view.groom, folders, &options, unit)?;
         let hair_bounds = groom.bounds().context("the groom is empty")?;
-        let hair = Hair::new(&HairAsset::new(&context, groom, &HairDescriptor::default())?)?;
+        let asset = HairAsset::new(&context, groom, &HairDescriptor::default())?;
+        ensure!(
+            !view.groom.copies.is_empty(),
+            "{}: the groom has no copies; leave them out for one",
+            view.name
+        );
+        let copies: Vec<_> = view.groom.copies.iter().map(|copy| Vec3::from(*copy) * unit).collect();
+        let heads = copies.iter().map(|_| Hair::new(&asset)).collect::<tresses::Result<_>>()?;
         let mut body = Body::new(&context, &head);
         body.material = BodyMaterial { gloss: 0.0, wrap: 0.0, ..Default::default() };
+        let mut bodies: Vec<_> = copies.iter().skip(1).map(|_| body.instance(false)).collect();
+        bodies.insert(0, body);
+        bodies.iter_mut().zip(&copies).for_each(|(body, copy)| body.pose = moved(*copy));
         let subject = tresses::low_level::subject(hair_bounds, head.bounds());
         let [width, height] = view.groom.camera.resolution;
         let renderer = Renderer::tiles(samples);
@@ -98,8 +110,9 @@ impl ReferenceScene {
             view_formats: &[],
         });
         let name = view.groom_name.to_owned();
-        let focus = Sphere::around(subject.0, subject.1);
-        Ok(Self { name, context, hair, body, view: eye, debug: None, output, unit, focus })
+        let around = |copy: &Vec3| Sphere::around(subject.0 + *copy, subject.1 + *copy);
+        let foci = copies.iter().map(around).collect();
+        Ok(Self { name, context, heads, bodies, view: eye, debug: None, output, unit, foci })
     }
 
     /// Returns the name of the groom.
@@ -184,11 +197,21 @@ impl ReferenceScene {
         let camera = &view.groom.camera;
         let in_meters = |p: [f32; 3]| Vec3::from(p) * self.unit;
         let (eye, target) = (in_meters(camera.origin), in_meters(camera.target));
-        self.hair.set.material = settings.material();
+        let camera =
+            Camera::look_at(eye, target, camera.vertical_fov_degrees.to_radians(), camera.resolution);
+        let material = settings.material();
+        self.heads.iter_mut().for_each(|hair| hair.set.material = material);
+        if self.heads.len() > 1 {
+            let zone = |(i, focus): (usize, &Sphere)| Zone {
+                pose: self.bodies[i].pose,
+                ..Zone::for_camera(*focus, &camera, 0.0, vec![i], vec![i])
+            };
+            self.view.set_zones(&self.foci.iter().enumerate().map(zone).collect::<Vec<_>>());
+        }
         Ok(Shot {
-            camera: Camera::look_at(eye, target, camera.vertical_fov_degrees.to_radians(), camera.resolution),
-            lights: lights(view, scenes)?,
-            focus: self.focus,
+            camera,
+            lights: lights(view, scenes, self.unit)?,
+            focus: self.foci[0],
             shadows: Shadows { body_radius: POINT, ..settings.shadows },
             background: Background::flat(Vec3::splat(scenes.background_linear)),
             ..Default::default()
@@ -221,14 +244,16 @@ impl ReferenceScene {
         let context = self.context.clone();
         let mut encoder = context.device().create_command_encoder(&Default::default());
         let mut recorder = context.recorder(&mut encoder);
-        let frame = HairFrame {
-            dt: 0.0,
-            head: Pose::default(),
-            colliders: &ColliderPoses::default(),
-            simulation: &SimulationParams::default(),
-            ..Default::default()
-        };
-        recorder.advance(&mut self.hair, &frame)?;
+        for (hair, body) in self.heads.iter_mut().zip(&self.bodies) {
+            let frame = HairFrame {
+                dt: 0.0,
+                head: body.pose,
+                colliders: &ColliderPoses::default(),
+                simulation: &SimulationParams::default(),
+                ..Default::default()
+            };
+            recorder.advance(hair, &frame)?;
+        }
         let output = self.output.create_view(&Default::default());
         let shown = shown.map(|(views, which)| (views, DebugDisplay::new(which)));
         let shows = match shown {
@@ -236,10 +261,16 @@ impl ReferenceScene {
             Some((views, ref shown)) => ViewContent::Inside(views, shown),
         };
         let drawing = Drawing { output: Some(&output), shows, ..Drawing::new(scene) };
-        recorder.draw(&[&self.hair], &[&self.body], &self.view, drawing)?;
+        let (heads, bodies): (Vec<_>, Vec<_>) = (self.heads.iter().collect(), self.bodies.iter().collect());
+        recorder.draw(&heads, &bodies, &self.view, drawing)?;
         context.queue().submit([encoder.finish()]);
         Ok(())
     }
+}
+
+/// Returns the pose of a copy at `position`, meters.
+fn moved(position: Vec3) -> Pose {
+    Pose { translation: position, ..Pose::IDENTITY }
 }
 
 /// Returns `scene` in front of black, at the exposure [`DIM`].
@@ -290,15 +321,15 @@ fn material(view: &ReferenceView<'_>) -> Result<Settings> {
     Ok(settings)
 }
 
-/// Returns the lights of `view`.
-fn lights(view: &ReferenceView<'_>, scenes: &Scenes) -> Result<Lights> {
+/// Returns the lights of `view`, whose unit is `unit` meters.
+fn lights(view: &ReferenceView<'_>, scenes: &Scenes, unit: f32) -> Result<Lights> {
     if let Some(map) = view.environment_map {
         ensure!(view.lights.is_empty(), "{}: an environment map cannot be combined with lights", view.name);
         return Ok(EnvironmentMap::read(map, &Shelf::default())?.lights(&Settings::default().lights));
     }
     let light = |name: &String| {
         let light = view.groom.lights.get(name).with_context(|| format!("there is no light {name}"))?;
-        anyhow::Ok(Light::distant(light.direction_to_light.into(), light.irradiance_rgb.into()))
+        anyhow::Ok(light.light(unit))
     };
     let list = view.lights.iter().map(light).collect::<Result<_>>()?;
     let sky = if view.environment { scenes.environment_radiance_rgb.into() } else { Vec3::ZERO };

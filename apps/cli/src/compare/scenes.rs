@@ -1,6 +1,9 @@
 //! The description of the reference images, and the paths of the files that it names.
 
-use super::metrics::Linear;
+use super::{
+    lights::{self, LightDescription},
+    metrics::Linear,
+};
 use crate::picture::{self, Image};
 use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
@@ -30,9 +33,13 @@ pub struct GroomDescription {
     /// The camera.
     pub camera: PinholeCamera,
     /// Lights by name.
-    pub lights: BTreeMap<String, ReferenceLight>,
+    #[serde(deserialize_with = "lights::read")]
+    pub lights: BTreeMap<String, LightDescription>,
     /// Meshes drawn with the hair.
     pub head_parts: Vec<MatteMesh>,
+    /// Positions of copies of hair and meshes, in the groom's unit.
+    #[serde(default = "one")]
+    pub copies: Vec<[f32; 3]>,
 }
 
 /// Strand radius, linear in the vertex index.
@@ -57,15 +64,6 @@ pub struct PinholeCamera {
     pub resolution: [u32; 2],
 }
 
-/// A directional light.
-#[derive(Debug, Deserialize)]
-pub struct ReferenceLight {
-    /// Direction to the light, unit length.
-    pub direction_to_light: [f32; 3],
-    /// Irradiance on a plane that faces the light, linear.
-    pub irradiance_rgb: [f32; 3],
-}
-
 /// A diffuse mesh.
 #[derive(Debug, Deserialize)]
 pub struct MatteMesh {
@@ -83,6 +81,9 @@ struct Shot {
     material: Option<String>,
     #[serde(default)]
     lights: Vec<String>,
+    /// Whether the image has all light of its view, and no images with each light alone.
+    #[serde(default)]
+    all_lights: bool,
     #[serde(default)]
     environment: bool,
     /// Environment map in place of the uniform environment.
@@ -110,6 +111,10 @@ struct Shot {
 struct Noise {
     #[serde(default)]
     picture_rmse_linear_hair_pixels_estimate: f64,
+}
+
+fn one() -> Vec<[f32; 3]> {
+    vec![[0.0; 3]]
 }
 
 fn yes() -> bool {
@@ -269,9 +274,10 @@ impl Shot {
         self.noise.picture_rmse_linear_hair_pixels_estimate / mean.max(1e-12)
     }
 
-    /// Whether the image has all the light of its view: the environment, or lamps that have images of their own.
+    /// Whether the image has all the light of its view: the description says so, or there is the environment, or there
+    /// are images of single lights.
     fn is_complete(&self) -> bool {
-        self.environment || !self.per_light_files.is_empty()
+        self.all_lights || self.environment || !self.per_light_files.is_empty()
     }
 
     fn scatters_once(&self) -> bool {
@@ -355,6 +361,25 @@ impl Folders<'_> {
         Ok(mask)
     }
 
+    /// Reads whose hair each pixel of `view` has, an image of `size` pixels: the number of the copy, from 1, or 0.
+    /// `None` for a single head.
+    pub fn heads(&self, view: &ReferenceView<'_>, size: (u32, u32)) -> Result<Option<Vec<u8>>> {
+        if view.groom.copies.len() < 2 {
+            return Ok(None);
+        }
+        let heads = self.picture(&format!("{}_heads", view.groom_name))?;
+        ensure!(
+            (heads.width, heads.height) == size,
+            "{}: the mask of the heads is {} × {} pixels, but the image is {} × {}",
+            view.name,
+            heads.width,
+            heads.height,
+            size.0,
+            size.1
+        );
+        Ok(Some(heads.rgba.as_chunks::<4>().0.iter().map(|rgba| rgba[0]).collect()))
+    }
+
     /// Reads an image of the reference.
     pub fn picture(&self, name: &str) -> Result<Image> {
         picture::read(&self.resolve(Path::new(&format!("{name}.png"))))
@@ -378,6 +403,7 @@ mod tests {
             },
             lights: BTreeMap::new(),
             head_parts: Vec::new(),
+            copies: one(),
         }
     }
 
@@ -392,6 +418,35 @@ mod tests {
             assert!((found / unit - 1.0).abs() < 1e-6, "{note}: {found}");
         }
         assert!(groom("unknown").unit().is_err());
+    }
+
+    /// Names of the views of pictures that have one groom with the lights `key` and `lamp`.
+    fn complete(pictures: serde_json::Value) -> Vec<String> {
+        let scenes: Scenes = serde_json::from_value(serde_json::json!({
+            "background_linear": 0.05, "environment_radiance_rgb": [0.25, 0.25, 0.25], "pictures": pictures,
+            "grooms": { "g": {
+                "scale_note": "1 unit is 1 m", "strand_file": "", "radius": { "root": 1, "tip": 1 }, "head_parts": [],
+                "camera": { "origin": [0, 0, 0], "target": [0, 0, 1], "vertical_fov_degrees": 30, "resolution": [1, 1] },
+                "lights": {
+                    "key": { "direction_to_light": [0, 1, 0], "irradiance_rgb": [1, 1, 1] },
+                    "lamp": { "kind": "point", "position": [0, 1, 0], "intensity_rgb": [1, 1, 1] },
+                },
+            } },
+        }))
+        .unwrap();
+        assert_eq!(scenes.grooms["g"].copies, [[0.0; 3]]);
+        scenes.views(&[]).unwrap().iter().map(|view| view.name.to_owned()).collect()
+    }
+
+    #[test]
+    fn images_with_all_lights_are_compared() {
+        let names = complete(serde_json::json!({
+            "sky": { "groom": "g", "material": "red", "lights": ["key"], "environment": true },
+            "parts": { "groom": "g", "material": "red", "lights": ["key"], "per_light_files": ["parts_key.exr"] },
+            "part": { "groom": "g", "material": "red", "lights": ["key"] },
+            "near": { "groom": "g", "material": "red", "lights": ["lamp"], "all_lights": true },
+        }));
+        assert_eq!(names, ["near", "parts", "sky"]);
     }
 
     #[test]
