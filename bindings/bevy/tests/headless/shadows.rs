@@ -45,6 +45,8 @@ fn meshes_cast_shadows_on_hair() {
     let hair = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom());
     app.world_mut().spawn(Hair3d(hair));
     wait(&mut app);
+    // Hair comes to rest, so that only light changes.
+    after(&mut app, 12, &picture);
     for (kind, name) in ["directional", "spot", "point"].into_iter().enumerate() {
         let light = lamp(&mut app, kind);
         let lit = after(&mut app, ALL, &picture);
