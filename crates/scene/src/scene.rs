@@ -20,7 +20,7 @@ use tresses::{
     Body, Bounds, Character, CharacterAsset, CharacterOptions, CharacterParts, Gpu, HairOptions, LodMode,
     LodOptions, Picture, Progress, RestOptions, View,
     groom::Look,
-    light::{Light, Lights},
+    light::Lights,
     low_level::{DebugDisplay, DebugViews, Detail, FieldBuilder, PICTURE_FORMAT, Targets},
 };
 
@@ -69,8 +69,6 @@ pub struct Scene {
     surroundings: Option<(Arc<EnvironmentMap>, [f32; 2], Lights)>,
     /// Key, rim and sky light, and the list of additional lights.
     pub lighting: LightSettings,
-    /// Lights that do not come from the settings, such as those of a character's file.
-    pub imported_lights: Vec<Light>,
     colliders: Colliders,
     /// Viewpoint that the level of detail is chosen for.
     watcher: Option<Viewpoint>,
@@ -153,7 +151,6 @@ impl Scene {
             views: None,
             surroundings: None,
             lighting: LightSettings::default(),
-            imported_lights: Vec::new(),
             colliders,
             watcher: None,
             rest: rest_key(settings),

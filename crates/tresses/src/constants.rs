@@ -19,7 +19,10 @@ pub const SHARED: &[(&str, u32)] = &[
     ("BUILD_WORKGROUP", BUILD_WORKGROUP),
     ("DEFORM_NODES", DEFORM_NODES),
     ("MAX_LIGHTS", MAX_LIGHTS),
-    ("SHADOW_MAPS", SHADOW_MAPS),
+    ("LIGHT_GROUP", LIGHT_GROUP),
+    ("MAX_UNMAPPED_LIGHTS", MAX_UNMAPPED_LIGHTS),
+    ("MAX_MAP_VIEWS", MAX_MAP_VIEWS),
+    ("LIGHT_OPTIONS", LIGHT_OPTIONS),
     ("MAX_GUSTS", MAX_GUSTS),
     ("SHADOW_BLOCK", SHADOW_BLOCK),
     ("DEEP_LAYERS", DEEP_LAYERS),
@@ -49,7 +52,17 @@ pub const TIERED: &[(&str, u32, u32)] =
 pub const VARIANTS: &[(&str, &str, &[u32])] = &[
     ("simulate::step", "GUIDE_CAPACITY", &GUIDE_CAPACITIES),
     ("simulate::twist", "GUIDE_CAPACITY", &GUIDE_CAPACITIES),
-    ("light::shade", "STRAND_MAPS", &[0, 1]),
+    ("light::shade", "LIGHT_OPTIONS", &[0, 1, 2, 3]),
+    ("light::shading_samples", "LIGHT_OPTIONS", &[0, 2]),
+    ("light::splat", "LIGHT_OPTIONS", &[0, 2, 4, 6]),
+    ("light::cover", "LIGHT_OPTIONS", &[0, 2, 4, 6]),
+    ("light::strand_map", "LIGHT_OPTIONS", &[0, 2]),
+    ("light::ambient::splat_radiance", "LIGHT_OPTIONS", &[0, 2]),
+    ("draw::soft::evaluate", "LIGHT_OPTIONS", &[0, 2]),
+    ("draw::body", "LIGHT_OPTIONS", &[0, 2]),
+    ("draw::painted", "LIGHT_OPTIONS", &[0, 2]),
+    ("draw::classic::alpha", "LIGHT_OPTIONS", &[0, 2]),
+    ("draw::classic::arrive", "LIGHT_OPTIONS", &[0, 2]),
     ("draw::tiles::visibility", "SURFACES", &[1, 2]),
     ("draw::tiles::geometry", "SURFACES", &[1, 2]),
     ("draw::tiles::label", "SURFACES", &[1, 2]),
@@ -137,10 +150,16 @@ pub const MAX_COLLIDERS: u32 = 128;
 pub const BUILD_WORKGROUP: u32 = 64;
 /// Nodes along each edge of the grid that stores how a distance field deforms with the skin.
 pub const DEFORM_NODES: u32 = 20;
-/// Maximum directional lights of a scene.
-pub const MAX_LIGHTS: u32 = 4;
-/// Maximum shadow maps: one per light, and one from above for the sky.
-pub const SHADOW_MAPS: u32 = MAX_LIGHTS + 1;
+/// Lights whose shadows are packed together.
+pub const LIGHT_GROUP: u32 = 4;
+/// Maximum lights with shadow maps.
+pub const MAX_LIGHTS: u32 = 8;
+/// Maximum lights without shadow maps.
+pub const MAX_UNMAPPED_LIGHTS: u32 = 256;
+/// Maximum views into shadow maps: the six faces of a cube per light, and one from above for the sky.
+pub const MAX_MAP_VIEWS: u32 = 6 * MAX_LIGHTS + 1;
+/// What shaders can do that read light, in bits (`lights.wesl`). Shaders without variants can do everything.
+pub const LIGHT_OPTIONS: u32 = 2;
 /// Maximum gust modes in a step's uniforms.
 pub const MAX_GUSTS: u32 = 24;
 /// Edge of a block of shadow map texels. Each block stores the fraction of its texels with hair and their mean height.

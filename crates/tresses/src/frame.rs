@@ -13,10 +13,11 @@
 use crate::{
     Context, Error, Result,
     body::Body,
+    constants::LIGHT_GROUP,
     draw::{Compositor, HostFrame, canvas::Canvas},
     gpu::{Commands, Timings},
     hair::{Hair, HairFrame},
-    light::{self, HairSet, HairShading, HairView, Part, SceneShadow},
+    light::{self, Casters, HairSet, HairShading, HairView, Part, SceneShadow},
     renderer::ShadingRate,
     skinning::Skinning,
     stage::Stage,
@@ -201,6 +202,7 @@ impl Recorder<'_> {
         if hair.is_drawn() {
             return Ok(());
         }
+        hair.set.write_count = Some(hair.set.write_count.unwrap_or_default() + 1);
         hair.prepare(frame);
         self.stage(Stage::Tessellate, |pass| hair.record_tessellate(pass))?;
         self.stage(Stage::Interpolate, |pass| hair.record_interpolate(pass))?;
@@ -259,7 +261,7 @@ impl Recorder<'_> {
         let shadings = hair_shadings(view, strands, &parts, view.options().renderer.rate())?;
         let hair_views = hair_views(strands, &shadings, &parts);
         bodies.iter().for_each(|body| body.prepare());
-        let lit = view.prepare(picture, &hair_views, &parts)?;
+        let lit = view.prepare(picture, &hair_views, &parts, view.options().renderer.max_shadow_maps())?;
         view.mark_light_recorded(&parts);
         self.merged(|recorder| recorder.cast(&parts, &lit, &hair_views, bodies, scene))
     }
@@ -296,7 +298,9 @@ impl Recorder<'_> {
 
         self.commands.start();
         bodies.iter().for_each(|body| body.prepare());
-        let lit = view.prepare(picture, &hair_views, &parts)?;
+        // Debug views shade with one group of lights.
+        let max_maps = if inside.is_some() { LIGHT_GROUP } else { renderer.max_shadow_maps() };
+        let lit = view.prepare(picture, &hair_views, &parts, max_maps)?;
         if !shows.is_lit() {
             view.mark_light_recorded(&parts);
             self.cast(&parts, &lit, visible, bodies, shows.shadows())?;
@@ -362,16 +366,36 @@ impl Recorder<'_> {
         bodies: &[&Body],
         scene: &[SceneShadow<'_>],
     ) -> Result<()> {
-        for (part, lit) in parts.iter().zip(lit) {
-            let (hair, bodies) = (Part::select(&part.hair, hair), Part::select(&part.bodies, bodies));
+        for (i, (part, lit)) in parts.iter().zip(lit).enumerate() {
             let scene = part.light.import_shadows(lit, scene)?;
-            part.light.record_shadows(&mut self.commands, lit, &hair, (&bodies, &scene))?;
+            let others = parts.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, other)| other);
+            let others: Vec<_> = others.filter(|other| lit.is_shadowed_by(&other.focus)).collect();
+            let other_hair: Vec<_> =
+                others.iter().flat_map(|other| Part::select(&other.hair, hair)).collect();
+            let groups: Vec<_> = other_hair.iter().map(|hair| part.light.bind_caster(hair)).collect();
+            let own = Part::select(&part.hair, hair);
+            let casters = Casters {
+                hair: own.iter().map(HairView::caster).collect(),
+                bodies: Part::select(&part.bodies, bodies),
+                other_hair: other_hair
+                    .iter()
+                    .zip(&groups)
+                    .map(|(hair, group)| hair.caster_bound(group))
+                    .collect(),
+                other_bodies: others.iter().flat_map(|other| Part::select(&other.bodies, bodies)).collect(),
+            };
+            part.light.record_shadows(&mut self.commands, lit, &casters, &scene)?;
         }
         self.commands.lap(Stage::Shadow);
         if lit.iter().any(|lit| lit.ambient) {
             for (part, lit) in parts.iter().zip(lit).filter(|(_, lit)| lit.ambient) {
                 let (hair, bodies) = (Part::select(&part.hair, hair), Part::select(&part.bodies, bodies));
-                part.light.record_ambient(&mut self.commands, &hair, (&bodies, lit.every))?;
+                part.light.record_ambient(
+                    &mut self.commands,
+                    &hair,
+                    (&bodies, lit.every),
+                    lit.has_unmapped,
+                )?;
             }
             self.commands.lap(Stage::Ambient);
         }

@@ -101,7 +101,7 @@ pub use camera::{Bounds, Camera, ToneMap};
 pub use character::{
     BodyPose, Character, CharacterAsset, CharacterOptions, CrowdBudget, Frame, Gesture, Obstacle, RiggedBody,
 };
-pub use draw::{Compositor, HostFrame, Shade};
+pub use draw::{Compositor, HostFrame};
 pub use error::{Error, Result};
 pub use glam;
 pub use gpu::{Context, Gpu, Timings};

@@ -8,7 +8,10 @@
 //!
 //! `docs/validation/coverage.md` has figures and images of each.
 
-use crate::{Error, Result};
+use crate::{
+    Error, Result,
+    constants::{LIGHT_GROUP, MAX_LIGHTS},
+};
 
 /// How a view draws hair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -245,6 +248,14 @@ impl Renderer {
         match self {
             Self::Classic(classic) => classic.rate,
             _ => ShadingRate::PerVertex,
+        }
+    }
+
+    /// Returns the maximum number of lights with shadow maps.
+    pub(crate) fn max_shadow_maps(self) -> u32 {
+        match self.rate() {
+            ShadingRate::PerVertex => MAX_LIGHTS,
+            ShadingRate::PerPixel => LIGHT_GROUP,
         }
     }
 

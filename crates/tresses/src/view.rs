@@ -4,6 +4,7 @@
 use crate::{
     Context, Result,
     camera::{Camera, CameraUniform, ToneMap},
+    constants::LIGHT_GROUP,
     draw::{self, Targets, targets::PICTURE_FORMAT},
     gpu::{BindBuffer, Uniform},
     light::{
@@ -37,8 +38,12 @@ pub struct Picture {
 pub struct ViewOptions {
     /// How hair is drawn.
     pub renderer: Renderer,
+    /// Maximum number of lights with shadow maps, clamped to 1 to 8. Those that give the hair the most light get them;
+    /// the grid of ambient light propagates the others, at most 256. Renderers with [shading per
+    /// pixel](crate::renderer::ShadingRate::PerPixel) use at most four.
+    pub shadow_maps: u32,
     /// Texels along each edge of a shadow map, clamped to 4 to 2048. Deep opacity maps have a third of it, or less for
-    /// soft shadows. Five maps take 43 bytes per texel ([`View::shadow_bytes`]).
+    /// soft shadows. A map takes 8.6 bytes per texel ([`View::shadow_bytes`]).
     pub shadow_resolution: u32,
     /// Texels along each edge of the strand maps, which store the strand nearest to each light; clamped to 256 to 2048,
     /// 0 for none. With them, shadows between strands follow their geometry instead of being stochastic
@@ -57,6 +62,7 @@ impl Default for ViewOptions {
     fn default() -> Self {
         Self {
             renderer: Renderer::default(),
+            shadow_maps: LIGHT_GROUP,
             shadow_resolution: 1024,
             strand_map_resolution: 0,
             ambient_resolution: 24,
@@ -125,7 +131,8 @@ impl View {
     /// As [`new`](Self::new). The view is unchanged after an error.
     pub fn set_options(&mut self, options: &ViewOptions) -> Result<()> {
         let lit = |options: &ViewOptions| {
-            (options.shadow_resolution, options.strand_map_resolution, options.ambient_resolution)
+            let ViewOptions { shadow_maps, shadow_resolution, .. } = options;
+            (*shadow_maps, *shadow_resolution, options.strand_map_resolution, options.ambient_resolution)
         };
         let light = (lit(options) != lit(&self.options)).then(|| light(&self.context, options, &self.camera));
         let before = std::mem::replace(&mut self.options, *options);
@@ -217,7 +224,7 @@ impl View {
     /// lighting around [`Picture::focus`]. An empty slice removes all zones. [Debug
     /// views](crate::frame::ViewContent::Inside) ignore zones.
     pub fn set_zones(&mut self, zones: &[Zone]) {
-        self.zones.set(&self.context, &self.camera, zones);
+        self.zones.set(&self.context, &self.camera, self.options.shadow_maps, zones);
     }
 
     /// Adapts the resolution of the lighting to the size of the grooms and bodies in `picture`: full resolution, or
@@ -304,7 +311,8 @@ impl View {
         shadings.collect()
     }
 
-    /// Writes the uniforms of a frame. Returns what to record of each part's lighting.
+    /// Writes the uniforms of a frame, in which at most `max_maps` lights have shadow maps. Returns what to record of
+    /// each part's lighting.
     ///
     /// # Errors
     /// As [`Lights::check`].
@@ -313,6 +321,7 @@ impl View {
         picture: &Picture,
         hair: &[HairView<'_>],
         parts: &[Part<'_>],
+        max_maps: u32,
     ) -> Result<Vec<FrameLight>> {
         picture.lights.check()?;
         let camera = picture.camera.uniform(self.targets.samples, self.targets.ssaa);
@@ -327,11 +336,14 @@ impl View {
         let lit = |part: &Part<'_>| {
             let lights = (&picture.lights, &picture.shadows, &part.focus);
             let hair = Part::select(&part.hair, hair);
-            let mut lit = part.light.prepare(lights, renderer, &hair, part.number);
+            let mut lit = part.light.prepare(lights, (renderer, max_maps), &hair, part.number);
             lit.ambient &= part.updates_ambient;
             lit
         };
-        Ok(parts.iter().map(lit).collect())
+        let lit = parts.iter().map(lit).collect();
+        // Kernels over the hair of all zones are recorded with the view's own light.
+        self.light.set_near_lights(parts.iter().any(|part| part.light.has_near_lights()));
+        Ok(lit)
     }
 
     /// Returns the camera's uniform buffer.
@@ -347,5 +359,5 @@ impl View {
 
 fn light(context: &Context, options: &ViewOptions, camera: &Uniform) -> light::LightState {
     let sizes = [options.shadow_resolution, options.ambient_resolution];
-    light::LightState::new(context, sizes, options.strand_map_resolution, camera)
+    light::LightState::new(context, sizes, [options.shadow_maps, options.strand_map_resolution], camera)
 }

@@ -29,7 +29,7 @@ use bevy::{
     },
 };
 use tresses::{
-    Camera, Character, Compositor, Context, HostFrame, Picture, Result, Shade, View, ViewOptions,
+    Camera, Character, Compositor, Context, HostFrame, Picture, Result, View, ViewOptions,
     renderer::Renderer,
     wgpu::{self, TextureFormat, TextureUsages},
 };
@@ -216,11 +216,10 @@ impl Drawing<'_> {
             .overlays
             .any()
             .then(|| overlays.get_or_insert_with(|| Overlays::new(context.device(), camera.size)));
-        let shade = Shade { strength: self.casts, ..Default::default() };
         let surroundings = HostFrame {
             shadows: &shadows,
             geometry: overlays.as_ref().map(|overlays| &overlays.geometry),
-            shade: casts.then_some(shade),
+            shade: if casts { self.casts } else { 0.0 },
             ..into
         };
         context.frame(encoder).composite(view, characters, &picture, embed, surroundings)?;

@@ -26,6 +26,10 @@ const KNOBS: &[Knob] = rows! { "shadows";
         "Texels along each edge of the maps of lit strands; 1024 for stills, 0 for stochastic shadows (fiber only).";
     "ambient" "Propagate ambient light" [shadows.has_ambient] ValueKind::Toggle, flag(flag("ambient", "on|off")),
         "Propagates light from the sky and from skin through the hair; off estimates sky visibility.";
+    "maps" "Lights with shadow maps" [view.shadow_maps] integer(PLAIN, 1, 8, 1), advanced, rebuild,
+        flag(flag("shadow-maps", "N")),
+        also("maximum shadow casters"),
+        "Maximum number of lights with shadow maps; all others light the hair softly, through the grid of ambient light.";
     "resolution" "Resolution" [view.shadow_resolution] integer(TEXELS, 64, 2048, 1),
         advanced, rebuild, flag(flag("shadow-resolution", "N")),
         also("shadow map size"),

@@ -56,7 +56,8 @@ impl Scene {
         self.picture.camera = camera.camera(self.targets().size);
         let back = camera.back();
         let surroundings = self.surroundings.as_ref().map(|(.., lights)| lights);
-        self.picture.lights = self.lighting.lights(back.x.atan2(back.z), surroundings, &self.imported_lights);
+        self.picture.lights =
+            self.lighting.lights(back.x.atan2(back.z), surroundings, self.character.asset().lights());
     }
 
     /// Records the motion of character and hair to `gesture` over `seconds`.

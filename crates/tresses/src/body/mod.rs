@@ -11,7 +11,13 @@ pub(crate) use surface::points_for;
 
 use bytemuck::{NoUninit, Pod, Zeroable};
 use glam::{Mat4, Vec3};
-use std::{ops::Range, sync::Arc};
+use std::{
+    ops::Range,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+};
 use wgpu::util::DeviceExt;
 
 use crate::{
@@ -69,11 +75,23 @@ pub struct Body {
     vertices: wgpu::Buffer,
     /// Two corners of the bounding box of the mesh, meters; see [`set_bounds`](Self::set_bounds).
     bounds: [Vec3; 2],
+    /// Counts the shapes that the library has given the mesh.
+    shape_count: u64,
+    /// Whether code outside of the library has the vertex buffer.
+    is_lent: AtomicBool,
     uniform: Uniform,
     group: wgpu::BindGroup,
     pub(crate) surface_group: wgpu::BindGroup,
     /// Material textures, if the body [is painted](Self::paint).
     painted: Option<BodyTextures>,
+}
+
+/// Identity, pose and shape of a body.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct BodyState {
+    group: wgpu::BindGroup,
+    pose: Pose,
+    shape_count: u64,
 }
 
 /// Uniform of a body.
@@ -180,6 +198,8 @@ impl Body {
             bounds: [Vec3::ZERO; 2],
             group: device.group("body", &layout(device), &[uniform.as_entire_binding()]),
             uniform,
+            shape_count: 0,
+            is_lent: AtomicBool::default(),
             painted: None,
             asset,
         }
@@ -202,7 +222,8 @@ impl Body {
             queue.submit([encoder.finish()]);
         }
         let (material, pose, bounds, painted) = (self.material, self.pose, self.bounds, self.painted.clone());
-        Self { material, pose, bounds, painted, ..Self::of(self.asset.clone(), vertices) }
+        let is_lent = AtomicBool::new(!deforms && self.is_lent.load(Ordering::Relaxed));
+        Self { material, pose, bounds, painted, is_lent, ..Self::of(self.asset.clone(), vertices) }
     }
 
     /// Returns the points of the surface that receive light.
@@ -216,7 +237,27 @@ impl Body {
     /// Vertex buffer with [`WORDS`](Self::WORDS) words per vertex: three floats of position (meters), three of normal,
     /// four bytes of color. Code that deforms the body writes to it.
     pub fn vertices(&self) -> &wgpu::Buffer {
+        self.is_lent.store(true, Ordering::Relaxed);
         &self.vertices
+    }
+
+    /// Vertex buffer, for the library's own use.
+    pub(crate) fn vertex_buffer(&self) -> &wgpu::Buffer {
+        &self.vertices
+    }
+
+    /// Marks the mesh as deformed.
+    pub(crate) fn mark_deformed(&mut self) {
+        self.shape_count += 1;
+    }
+
+    /// Returns a value that is equal as long as mesh and pose are, or `None` if code outside of the library may deform
+    /// the mesh at any time.
+    pub(crate) fn state(&self) -> Option<BodyState> {
+        let is_lent = self.is_lent.load(Ordering::Relaxed);
+        let state =
+            || BodyState { group: self.group.clone(), pose: self.pose, shape_count: self.shape_count };
+        (!is_lent).then(state)
     }
 
     /// Reads back the full mesh in its deformed shape and pose: positions, normals and triangles, world space.

@@ -40,7 +40,8 @@ pub struct Skin<'a> {
 
 impl<'a> From<&'a Body> for Skin<'a> {
     fn from(body: &'a Body) -> Self {
-        let [position, normal] = [0, 3].map(|first| (body.vertices(), Words { first, stride: Body::WORDS }));
+        let [position, normal] =
+            [0, 3].map(|first| (body.vertex_buffer(), Words { first, stride: Body::WORDS }));
         Self { positions: position, normals: normal }
     }
 }

@@ -26,6 +26,6 @@ mod strips;
 pub mod targets;
 pub mod tiles;
 
-pub use embed::{Compositor, HostFrame, Shade};
+pub use embed::{Compositor, HostFrame};
 pub(crate) use pipelines::Pipelines;
 pub use targets::Targets;

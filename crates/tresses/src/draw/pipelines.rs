@@ -18,7 +18,7 @@ use crate::{
 pub(crate) struct Pipelines {
     device: Device,
     frame: wgpu::BindGroupLayout,
-    body: PipelineCache<(u32, bool), wgpu::RenderPipeline>,
+    body: PipelineCache<(u32, bool, bool), wgpu::RenderPipeline>,
     pub(super) soft: soft::Pipelines,
     pub(crate) cards: cards::Pipelines,
     pub(super) masks: masks::Pipelines,
@@ -44,14 +44,19 @@ impl PipelineSet for Pipelines {
 }
 
 impl Pipelines {
-    /// Returns the pipeline that draws bodies into targets with `samples` per pixel. `painted` selects textured bodies.
-    pub(super) fn body(&self, samples: u32, painted: bool) -> Result<wgpu::RenderPipeline> {
-        self.body.get((samples, painted), || {
+    /// Returns the pipeline that draws bodies into targets with `samples` per pixel. `painted` selects textured bodies,
+    /// `near` frames with lights that are not distant.
+    pub(super) fn body(&self, samples: u32, painted: bool, near: bool) -> Result<wgpu::RenderPipeline> {
+        let (module, painted_module) = match near {
+            false => ("draw::body::0", "draw::painted::0"),
+            true => ("draw::body::2", "draw::painted::2"),
+        };
+        self.body.get((samples, painted, near), || {
             let device = &self.device;
             let own = [&self.frame, &body::layout(device), &soft::points_layout(device)];
             let plain = Recipe {
-                vertex: ("draw::body", "body_vertex"),
-                fragment: Some(("draw::body", "body_fragment")),
+                vertex: (module, "body_vertex"),
+                fragment: Some((module, "body_fragment")),
                 layouts: &own,
                 buffers: &[Some(Body::LAYOUT)],
                 targets: &[Some(HDR_FORMAT.into())],
@@ -64,8 +69,8 @@ impl Pipelines {
             }
             let [frame, body, points] = own;
             Recipe {
-                vertex: ("draw::painted", "painted_vertex"),
-                fragment: Some(("draw::painted", "painted_fragment")),
+                vertex: (painted_module, "painted_vertex"),
+                fragment: Some((painted_module, "painted_fragment")),
                 layouts: &[frame, body, points, &body::paint::layout(device)],
                 buffers: &[Some(Body::LAYOUT), Some(BodyTextures::LAYOUT)],
                 ..plain
@@ -77,7 +82,7 @@ impl Pipelines {
     /// Returns jobs that compile the pipelines of a view with this renderer.
     pub(crate) fn jobs(&self, renderer: Renderer) -> Vec<Job<'_>> {
         let samples = renderer.samples();
-        let mut jobs: Vec<Job<'_>> = vec![Box::new(move || self.body(samples, false).map(|_| ()))];
+        let mut jobs: Vec<Job<'_>> = vec![Box::new(move || self.body(samples, false, false).map(|_| ()))];
         jobs.extend(match renderer {
             Renderer::Tiles(_) => self.tiles.jobs(samples),
             Renderer::Masks(_) => self.masks.jobs(samples),

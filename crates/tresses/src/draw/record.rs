@@ -68,9 +68,10 @@ impl Pipelines {
         }
         let samples = canvas.target.samples;
         let any = |painted: bool| bodies.iter().any(|body| body.is_painted() == painted);
-        let plain = any(false).then(|| self.body(samples, false)).transpose()?;
-        let painted = any(true).then(|| self.body(samples, true)).transpose()?;
-        let soft = targets.soft();
+        let near = canvas.parts.iter().any(|part| part.light.has_near_lights());
+        let plain = any(false).then(|| self.body(samples, false, near)).transpose()?;
+        let painted = any(true).then(|| self.body(samples, true, near)).transpose()?;
+        let soft = targets.soft(canvas.light.max_lights());
         soft.record(&self.soft, canvas, bodies)?;
         canvas.commands.lap(Stage::Body);
         let strays: Vec<_> = bodies.iter().map(|body| canvas.stray(body)).collect();

@@ -6,7 +6,7 @@ use super::{
     soft::SoftTargets,
     tiles::{Label, Tiles},
 };
-use crate::{Context, Error, Result, gpu::readback, renderer::Renderer};
+use crate::{Context, Error, Result, constants::LIGHT_GROUP, gpu::readback, renderer::Renderer};
 use std::sync::OnceLock;
 
 pub use super::canvas::{DEPTH_FORMAT, HDR_FORMAT};
@@ -28,8 +28,8 @@ pub struct Targets {
     pub(crate) layers: Option<Layers>,
     /// Present for tiles.
     pub(crate) tiles: Option<Tiles>,
-    /// Created when a body is first drawn.
-    soft: OnceLock<SoftTargets>,
+    /// Created when a body is first drawn: for one group of lights, and for two.
+    soft: [OnceLock<SoftTargets>; 2],
     picture: wgpu::Texture,
     pub(crate) picture_view: wgpu::TextureView,
     bytes: u64,
@@ -88,7 +88,7 @@ impl Targets {
             },
             layers: None,
             tiles: None,
-            soft: OnceLock::new(),
+            soft: Default::default(),
             picture_view: view(&picture),
             picture,
             bytes: u64::from(wide) * u64::from(high) * u64::from(samples) * 12
@@ -128,10 +128,12 @@ impl Targets {
         })
     }
 
-    /// Returns the shading points of bodies, created at first use.
-    pub(crate) fn soft(&self) -> &SoftTargets {
+    /// Returns the shading points of bodies in `max_lights` lights with shadow maps, created at first use.
+    pub(crate) fn soft(&self, max_lights: u32) -> &SoftTargets {
         let size = self.hdr.depth_texture.size();
-        self.soft.get_or_init(|| SoftTargets::new(&self.context.device, [size.width, size.height]))
+        let groups = max_lights.div_ceil(LIGHT_GROUP).clamp(1, 2);
+        let new = || SoftTargets::new(&self.context.device, [size.width, size.height], groups);
+        self.soft[groups as usize - 1].get_or_init(new)
     }
 
     /// Returns the finished image as a view to present into.
@@ -184,7 +186,7 @@ impl Targets {
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
         let size = self.hdr.depth_texture.size();
-        let soft = self.soft.get().map_or(0, |_| SoftTargets::BYTES);
+        let soft = self.soft.iter().filter_map(|soft| soft.get()).count() as u64 * SoftTargets::BYTES;
         let tiles = self.tiles.as_ref().map_or(0, Tiles::bytes);
         self.bytes + tiles + soft * u64::from(size.width) * u64::from(size.height)
     }

@@ -28,7 +28,7 @@ pub use commands::{Commands, ComputePass};
 pub use context::Context;
 pub use counts::Counts;
 pub use device::Gpu;
-pub(crate) use handle::Device;
+pub(crate) use handle::{Device, Queue};
 pub use kernel::Kernel;
 pub(crate) use sets::PipelineSet;
 pub use tier::Tier;

@@ -1,13 +1,13 @@
 //! What the parts of the light stage share: the bindings of everything that is drawn in light, and the parameters of a
 //! frame.
 
-use super::{Sphere, lights::SHADOW_MAPS};
+use super::{Light, Sphere, map_view::MapView};
 use crate::{gpu::Binding, renderer::ShadowMethod};
-use glam::Mat4;
+use std::f32::consts::PI;
 
 /// Layout of `@group(0)` for everything that is drawn in light: camera, lights, depth maps of meshes, their comparison
-/// sampler, hair maps, blocks of the hair maps, ambient light, its sampler.
-pub(super) const FRAME: [Binding; 8] = [
+/// sampler, hair maps, blocks of the hair maps, ambient light, its sampler, light without shadow maps.
+pub(super) const FRAME: [Binding; 9] = [
     Binding::Uniform,
     Binding::Uniform,
     Binding::DepthArray,
@@ -16,6 +16,7 @@ pub(super) const FRAME: [Binding; 8] = [
     Binding::Storage,
     Binding::Texture3d,
     Binding::Sampler,
+    Binding::Texture3d,
 ];
 
 /// Layout of a groom's `@group(1)`: uniform, vertices, strands and shaded colors.
@@ -32,20 +33,42 @@ pub(crate) struct FrameLight {
     pub maps: usize,
     /// Edge of a texel of the hair maps, in texels of a depth map.
     pub across: u32,
-    /// Ids of the lights with shadow maps.
-    pub ids: Vec<u32>,
+    /// Lights with shadow maps.
+    pub lights: Vec<Light>,
     /// Number of lights with a strand map.
     pub strands: usize,
     /// Limit on the deviation of shadow-casting meshes from the drawn ones, meters.
     pub stray: f32,
     /// Whether the frame computes ambient light.
     pub ambient: bool,
+    /// Whether the frame has lights without shadow maps.
+    pub has_unmapped: bool,
     /// Stride through the sample points of mesh surfaces.
     pub every: u32,
-    /// World to clip space of each map.
-    pub matrices: [Mat4; SHADOW_MAPS],
-    /// Depth of the maps, meters.
-    pub range: f32,
+    /// Views into the maps.
+    pub views: Vec<MapView>,
     /// Region that the maps cover.
     pub focus: Sphere,
+}
+
+impl FrameLight {
+    /// Whether something within `other` may shadow something in the focus: it lies between the focus and a light.
+    pub fn is_shadowed_by(&self, other: &Sphere) -> bool {
+        let Sphere { center, radius } = self.focus;
+        let reach = radius + other.radius;
+        let offset = other.center - center;
+        self.lights.iter().any(|light| match light.center() {
+            None => {
+                let along = offset.dot(light.irradiance_at(center).0);
+                along > -reach && offset.length_squared() - along * along < reach * reach
+            }
+            Some(place) => {
+                let [own, its] = [center, other.center].map(|center| center - place);
+                let [far, near] = [own.length(), its.length()];
+                // Half of the angle at which the light sees each of them.
+                let angle = |radius: f32, away: f32| if away > radius { (radius / away).asin() } else { PI };
+                near < far + reach && own.angle_between(its) < angle(radius, far) + angle(other.radius, near)
+            }
+        })
+    }
 }

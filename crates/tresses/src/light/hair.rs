@@ -9,6 +9,7 @@ use super::{
 };
 use crate::{
     Context, Error, Result,
+    constants::LIGHT_GROUP,
     gpu::{BindBuffer, Uniform},
     renderer::{ShadingModel, ShadingRate},
     shaders::kernels::light as kernels,
@@ -33,6 +34,8 @@ pub struct HairSet {
     /// Strands and vertices that are drawn.
     pub drawn: DrawCount,
     pub(crate) strands: StrandBuffers,
+    /// Counts the times that the library has written the vertices; `None` if others write them.
+    pub(crate) write_count: Option<u64>,
     /// Stride and number of the segments in the shadow maps.
     pub(crate) splat: [u32; 2],
     /// Vertices between the shading samples (knots) of a strand, and number of the spans between the samples.
@@ -111,6 +114,7 @@ impl HairSet {
             area: strands.count as f32 * STRAND_AREA,
             drawn: strands.drawn,
             strands: strands.clone(),
+            write_count: None,
             splat: [1; 2],
             spans: [1; 2],
             fiber: Mutex::new(asset.fiber(context)),
@@ -282,9 +286,11 @@ impl HairShading {
         let words = words_for(rate) * u64::from(capacity.vertices);
         let colors = storage::<u32>(device, "shaded strands", words)?;
         let sample_capacity = max_samples([*count, *vertex_count], capacity);
-        let lent =
-            hair.asset.scratch.clone().filter(|scratch| scratch.size() >= sample_capacity * SAMPLE_BYTES);
-        let own = || storage::<u8>(device, "knots of strands", sample_capacity * SAMPLE_BYTES);
+        // The second group of four lights has samples of its own.
+        let groups = u64::from(state.max_lights().div_ceil(LIGHT_GROUP));
+        let bytes = groups * sample_capacity * SAMPLE_BYTES;
+        let lent = hair.asset.scratch.clone().filter(|scratch| scratch.size() >= bytes);
+        let own = || storage::<u8>(device, "knots of strands", bytes);
         let (lent, shading_samples) = (lent.is_some(), lent.map_or_else(own, Ok)?);
         let uniform = device.uniform(size_of::<HairUniform>());
         let own = [
@@ -297,7 +303,7 @@ impl HairShading {
         let (lights, cells) = (state.lights.entire(), state.ambient.sums().entire());
         let (set, vertices) = (uniform.entire(), vertices.entire());
         let (strands, widening) = (strands.entire(), widening.entire());
-        let splat = pipelines.splat.bind(&kernels::ShadowMaps {
+        let splat = pipelines.splat[0].bind(&kernels::ShadowMaps {
             lights,
             hair: set,
             vertices,
@@ -310,7 +316,7 @@ impl HairShading {
         let ambient_splat = pipelines.ambient.splat_hair.bind(&ambient_splat);
         let sample_bindings =
             bind_samples(camera, &uniform, &hair.strands, &colors, &shading_samples, &pipelines.all);
-        let shade = pipelines.shade(false).bind(&state.shading(sample_bindings));
+        let shade = pipelines.shade(false, false).bind(&state.shading(sample_bindings));
         Ok(Self {
             group: device.group("hair", &pipelines.hair, &own),
             shade,
@@ -384,9 +390,15 @@ pub(crate) struct HairView<'a> {
 }
 
 impl HairView<'_> {
-    /// Returns the hair as the shadow maps read it.
-    pub(super) fn caster(&self) -> HairCaster<'_> {
-        HairCaster { group: &self.shaded.splat, drawn: self.hair.drawn, splat: self.hair.splat }
+    /// Returns the hair as the shadow maps of its own zone read it.
+    pub(crate) fn caster(&self) -> HairCaster<'_> {
+        self.caster_bound(&self.shaded.splat)
+    }
+
+    /// Returns the hair as shadow maps read it that are bound with `group`.
+    pub(crate) fn caster_bound<'g>(&self, group: &'g wgpu::BindGroup) -> HairCaster<'g> {
+        let HairSet { drawn, splat, write_count, .. } = *self.hair;
+        HairCaster { group, drawn, splat, write_count }
     }
 
     /// Records all cards. The caller has set the pipeline and bound the group of the frame.

@@ -178,11 +178,12 @@ impl Light {
     /// # Errors
     /// [`Error::Parameter`] when a number is not finite, a strength or size is negative, or a cone is not one.
     pub fn check(&self) -> Result<()> {
-        let all = |values: &[f32], name, range| {
-            match values.iter().find(|value| !(value.is_finite() && **value >= 0.0)) {
-                Some(value) => Err(Error::Parameter { name, value: value.to_string(), range }),
-                None => Ok(()),
-            }
+        let all = |values: &[f32], name, range| match values
+            .iter()
+            .find(|value| !(value.is_finite() && **value >= 0.0))
+        {
+            Some(value) => Err(Error::Parameter { name, value: value.to_string(), range }),
+            None => Ok(()),
         };
         let finite = |vectors: &[Vec3]| match vectors.iter().find(|vector| !vector.is_finite()) {
             Some(vector) => Err(Error::Parameter {
@@ -195,9 +196,14 @@ impl Light {
         let sizes = |values: &[f32]| all(values, "the size of a light", "a finite length, 0 or more");
         all(&self.color.to_array(), "the color of a light", "finite, 0 or more")?;
         all(&[self.intensity], "the intensity of a light", "finite, 0 or more")?;
+        all(&self.strength().to_array(), "color times intensity of a light", "finite")?;
         if self.range.is_nan() || self.range <= 0.0 {
             let value = self.range.to_string();
-            return Err(Error::Parameter { name: "the range of a light", value, range: "more than 0 meters" });
+            return Err(Error::Parameter {
+                name: "the range of a light",
+                value,
+                range: "more than 0 meters",
+            });
         }
         match self.shape {
             LightShape::Distant { direction } => finite(&[direction]),
@@ -238,7 +244,7 @@ fn from_point(offset: Vec3) -> (Vec3, f32) {
 
 /// Returns scale and offset of a spot light's falloff, which is (offset + scale · cosine)², clamped
 /// (`KHR_lights_punctual`).
-fn cone(inner: f32, outer: f32) -> [f32; 2] {
+pub(super) fn cone(inner: f32, outer: f32) -> [f32; 2] {
     let scale = 1.0 / (inner.cos() - outer.cos()).max(1e-4);
     [scale, -outer.cos() * scale]
 }
@@ -340,7 +346,8 @@ mod tests {
     fn area_lights_match_closed_forms() {
         // Above the place, facing down.
         let square = |half: f32| {
-            let shape = LightShape::Rectangle { center: Vec3::Y * 2.0, right: Vec3::X * half, up: Vec3::Z * half };
+            let shape =
+                LightShape::Rectangle { center: Vec3::Y * 2.0, right: Vec3::X * half, up: Vec3::Z * half };
             Light::new(shape, 1.0)
         };
         // A small square is a point light of its area times the cosine; an infinite plane gives as much as a sky.

@@ -1,10 +1,16 @@
 //! Lights: a list, a sky and an environment, in linear units.
 
-use super::{environment::Environment, light::Light, shadows::Shadows};
-use crate::constants::MAX_LIGHTS;
-use crate::{Camera, Result, renderer::ShadowMethod};
+use super::{
+    environment::Environment,
+    light::{Light, LightShape, cone},
+    map_view::MapView,
+    shadows::Shadows,
+    sphere::Sphere,
+};
+use crate::constants::{MAX_LIGHTS, MAX_MAP_VIEWS};
+use crate::{Error, Result, renderer::ShadowMethod};
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat4, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 
 /// Radiance from the rest of the surroundings: three colors, blended by elevation. Black by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -71,77 +77,146 @@ impl Lights {
     /// Checks all lights.
     ///
     /// # Errors
-    /// As [`Light::check`].
+    /// As [`Light::check`], and [`Error::Parameter`] when the sky or the environment is not finite.
     pub fn check(&self) -> Result<()> {
-        self.list.iter().try_for_each(Light::check)
+        self.list.iter().try_for_each(Light::check)?;
+        let Sky { zenith, horizon, ground } = self.sky;
+        let mut all = [zenith, horizon, ground].into_iter().chain(self.environment.coefficients);
+        match all.find(|radiance| !radiance.is_finite()) {
+            None => Ok(()),
+            Some(radiance) => Err(Error::Parameter {
+                name: "the radiance of the sky or the environment",
+                value: radiance.to_string(),
+                range: "finite",
+            }),
+        }
     }
 }
 
-/// A sphere, meters: the region that shadow maps cover.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sphere {
-    /// Center in world space.
-    pub center: Vec3,
-    /// Radius that encloses everything that casts or receives shadows on hair. Keep it constant while things move, so
-    /// that the texels of the shadow maps keep their size.
-    pub radius: f32,
-}
+/// Ratio of the irradiance of two lights from which on the stronger one has its shadow map alone. Below it, the shadow
+/// map fades out, so that two lights of one strength can change places.
+const ALONE: f32 = 1.25;
+/// Maximum number of lights without a shadow map.
+const MAX_UNMAPPED: usize = crate::constants::MAX_UNMAPPED_LIGHTS as usize;
+/// Distance from the center of the focus at which lights are compared, in radii.
+const ASIDE: f32 = 0.6;
 
-impl Default for Sphere {
-    fn default() -> Self {
-        Self { center: Vec3::new(0.0, 1.5, 0.0), radius: 0.3 }
-    }
-}
-
-impl Sphere {
-    /// Returns the sphere around a box.
-    pub fn around(lo: Vec3, hi: Vec3) -> Self {
-        Self { center: 0.5 * (lo + hi), radius: 0.5 * lo.distance(hi) }
-    }
-
-    /// Returns the diameter in pixels of `camera`, measured at the near side of the sphere.
-    pub(crate) fn pixels(&self, camera: &Camera) -> f32 {
-        let clip = camera.projection * camera.view;
-        let away = (clip * self.center.extend(1.0)).w;
-        let per_meter = camera.projection.z_axis.w.abs();
-        let nearest = if per_meter > 0.0 { (away - self.radius * per_meter).max(0.05) } else { away };
-        2.0 * self.radius / (camera.pixel() * nearest)
-    }
+/// Lights of a frame around a focus, each with the fraction of it that counts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct SelectedLights {
+    /// Lights with shadow maps, in the order of the list.
+    pub mapped: Vec<(Light, f32)>,
+    /// Lights that the grid of ambient light propagates.
+    pub unmapped: Vec<(Light, f32)>,
 }
 
 impl Lights {
-    /// Returns the lights that get shadow maps around `focus`, in the order of the list: those with the most irradiance
-    /// there.
-    pub(crate) fn chosen(&self, focus: &Sphere) -> Vec<Light> {
-        let mut strengths: Vec<_> = self
-            .list
-            .iter()
-            .enumerate()
-            .map(|(i, light)| (light.irradiance_at(focus.center).1.element_sum(), i))
-            .filter(|(strength, _)| *strength > 0.0)
-            .collect();
+    /// Selects the lights with the most irradiance around `focus`: at most `maps` of them get shadow maps. If
+    /// `has_grid`, the others count as lights without one; otherwise they are left out.
+    pub(crate) fn select(&self, focus: &Sphere, maps: usize, has_grid: bool) -> SelectedLights {
+        let aside = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| ASIDE * focus.radius * axis);
+        let places = [Vec3::ZERO].into_iter().chain(aside.into_iter().flat_map(|offset| [offset, -offset]));
+        let places: Vec<_> = places.map(|offset| focus.center + offset).collect();
+        let strength = |light: &Light| {
+            let at = |place: &Vec3| light.irradiance_at(*place).1.element_sum();
+            if light.center().is_some() {
+                places.iter().map(at).fold(0.0, f32::max)
+            } else {
+                at(&focus.center)
+            }
+        };
+        let strengths = self.list.iter().enumerate().map(|(i, light)| (strength(light), i));
+        let mut strengths: Vec<_> = strengths.filter(|(strength, _)| *strength > 0.0).collect();
+        // The order of equal lights is that of the list.
         strengths.sort_by(|a, b| b.0.total_cmp(&a.0));
-        strengths.truncate(MAX_LIGHTS as usize);
-        strengths.sort_by_key(|(_, i)| *i);
-        strengths.into_iter().map(|(_, i)| self.list[i]).collect()
+        strengths.truncate(maps + MAX_UNMAPPED);
+        let limit = strengths.get(maps).map_or(0.0, |(strength, _)| *strength);
+        let mut selected = SelectedLights::default();
+        let mut mapped = Vec::new();
+        for (rank, (strength, i)) in strengths.into_iter().enumerate() {
+            let share = match rank < maps {
+                true if limit > 0.0 && has_grid => ((strength / limit - 1.0) / (ALONE - 1.0)).clamp(0.0, 1.0),
+                true => 1.0,
+                false => 0.0,
+            };
+            if share > 0.0 {
+                mapped.push((i, share));
+            }
+            if share < 1.0 && has_grid {
+                selected.unmapped.push((self.list[i], 1.0 - share));
+            }
+        }
+        mapped.sort_by_key(|(i, _)| *i);
+        selected.mapped = mapped.into_iter().map(|(i, share)| (self.list[i], share)).collect();
+        selected
     }
 }
 
-/// See [`crate::constants::SHADOW_MAPS`].
-pub const SHADOW_MAPS: usize = crate::constants::SHADOW_MAPS as usize;
-
-/// Shader data of a light with a shadow map.
+/// Shader data of a [`Light`].
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct LightUniform {
-    /// Unit vector towards the light.
-    pub direction: Vec3,
+    /// Unit vector towards a distant light; center of the others, meters.
+    pub place: Vec3,
+    /// Number of the [`LightShape`], as in `light.wesl`.
+    pub shape: u32,
+    /// Irradiance, intensity or radiance.
+    pub strength: Vec3,
+    /// One over the square of [`Light::range`], 1/m².
+    pub inverse_square_range: f32,
+    /// Axis of a spot light or of a disc (unit), half the width of a rectangle, half the axis of a tube.
+    pub axis: Vec3,
+    /// Scale of a spot light's falloff; radius of a disc, sphere or tube.
+    pub first: f32,
+    /// Half the height of a rectangle; a unit vector in the plane of a disc.
+    pub up: Vec3,
+    /// Offset of a spot light's falloff; radius of the hole of a disc.
+    pub second: f32,
     /// [`Light::id`].
     pub id: u32,
-    /// Irradiance of a surface that faces the light.
-    pub irradiance: Vec3,
     /// Whether its shadows fall on meshes and on the host's scene.
     pub casts_shadows: u32,
+    /// First of its views into its shadow map.
+    pub view: u32,
+    /// Number of the views: one, or the six faces of a cube.
+    pub view_count: u32,
+}
+
+impl LightUniform {
+    /// Returns the shader data of `light`, of which the fraction `share` counts.
+    pub fn new(light: &Light, share: f32) -> Self {
+        let mut uniform = Self {
+            place: light.center().unwrap_or(Vec3::Y),
+            strength: if share == 1.0 { light.strength() } else { share * light.strength() },
+            inverse_square_range: (light.range * light.range).recip(),
+            id: light.id,
+            casts_shadows: light.casts_shadows.into(),
+            ..Self::zeroed()
+        };
+        match light.shape {
+            LightShape::Distant { direction } => uniform.place = direction.normalize_or(Vec3::Y),
+            LightShape::Point { .. } => uniform.shape = 1,
+            LightShape::Spot { direction, inner, outer, .. } => {
+                uniform.shape = 2;
+                uniform.axis = direction.normalize_or_zero();
+                [uniform.first, uniform.second] = cone(inner, outer);
+            }
+            LightShape::Rectangle { right, up, .. } => {
+                (uniform.shape, uniform.axis, uniform.up) = (3, right, up);
+            }
+            LightShape::Disc { direction, radius, hole, .. } => {
+                uniform.shape = 4;
+                uniform.axis = direction.normalize_or(Vec3::Y);
+                uniform.up = uniform.axis.any_orthonormal_vector();
+                (uniform.first, uniform.second) = (radius, hole.min(radius));
+            }
+            LightShape::Sphere { radius, .. } => (uniform.shape, uniform.first) = (5, radius),
+            LightShape::Tube { ends: [a, b], radius } => {
+                (uniform.shape, uniform.axis, uniform.first) = (6, 0.5 * (b - a), radius);
+            }
+        }
+        uniform
+    }
 }
 
 /// Shader data of [`Lights`] and [`Shadows`]. Shaders never pass it by value, because a driver may not optimize away
@@ -149,8 +224,8 @@ pub(crate) struct LightUniform {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct LightsUniform {
-    /// World to clip space of each shadow map: one per light, then the sky. Depth 0 is nearest the light.
-    pub shadow: [Mat4; SHADOW_MAPS],
+    /// Views into the shadow maps: those of each light, then the sky's.
+    pub views: [MapView; MAX_MAP_VIEWS as usize],
     /// Lights with a shadow map. Light `i` has map `i`.
     pub mapped: [LightUniform; MAX_LIGHTS as usize],
     /// [`Sky::zenith`].
@@ -165,10 +240,10 @@ pub(crate) struct LightsUniform {
     pub ground: Vec3,
     /// Edge of a texel of the hair maps, in texels of the depth maps.
     pub hair_texels: u32,
-    /// Depth of the shadow maps, meters.
-    pub range: f32,
-    /// Width of a shadow map, meters: twice [`Sphere::radius`], plus a margin.
-    pub width: f32,
+    /// Number of views into shadow maps.
+    pub view_count: u32,
+    /// Number of lights without a shadow map.
+    pub unmapped: u32,
     /// [`Shadows::hair_radius`].
     pub hair_radius: f32,
     /// [`Shadows::body_radius`].
@@ -210,10 +285,10 @@ pub(crate) struct LightsUniform {
 }
 
 impl Lights {
-    /// Returns the shader data of the `chosen` lights, for maps of `resolution`² texels that cover `focus`.
+    /// Returns the shader data of the `selected` lights, for maps of `resolution`² texels that cover `focus`.
     pub(crate) fn uniform(
         &self,
-        chosen: &[Light],
+        selected: &SelectedLights,
         (shadows, method): (&Shadows, ShadowMethod),
         focus: &Sphere,
         resolution: u32,
@@ -224,20 +299,26 @@ impl Lights {
             focus.radius.max(1e-6) * resolution as f32 / resolution.saturating_sub(step).max(1) as f32;
         let focus = &Sphere { radius, ..*focus };
         let texel = 2.0 * radius / resolution as f32;
-        let fit = |direction| fit(direction, focus, step as f32 * texel);
-        let mut shadow = [fit(Vec3::Y); SHADOW_MAPS];
+        let step_meters = step as f32 * texel;
+        let count = selected.mapped.len();
+        let maps = shadows.map_count(count);
+        let mut views = Vec::new();
         let mut mapped = [LightUniform::zeroed(); MAX_LIGHTS as usize];
-        let count = chosen.len();
-        for (i, light) in chosen.iter().enumerate() {
-            let (direction, irradiance) = light.irradiance_at(focus.center);
-            shadow[i] = fit(direction);
-            mapped[i].direction = direction;
-            mapped[i].irradiance = irradiance;
-            mapped[i].id = light.id;
-            mapped[i].casts_shadows = light.casts_shadows.into();
+        for (map, ((light, share), uniform)) in selected.mapped.iter().zip(&mut mapped).enumerate() {
+            let own = MapView::of(light, focus, step_meters);
+            let (view, view_count) = (views.len() as u32, own.len() as u32);
+            *uniform = LightUniform { view, view_count, ..LightUniform::new(light, *share) };
+            views.extend(own.into_iter().map(|view| MapView { map: map as u32, ..view }));
         }
+        if maps > count {
+            views.push(MapView { map: count as u32, ..MapView::parallel(Vec3::Y, focus, step_meters) });
+        }
+        let view_count = views.len() as u32;
+        views.resize(MAX_MAP_VIEWS as usize, MapView::zeroed());
         LightsUniform {
-            shadow,
+            views: std::array::from_fn(|i| views[i]),
+            view_count,
+            unmapped: selected.unmapped.len() as u32,
             mapped,
             count: count as u32,
             zenith: self.sky.zenith,
@@ -245,8 +326,6 @@ impl Lights {
             ground: self.sky.ground,
             resolution,
             hair_texels: step,
-            range: 2.0 * focus.radius,
-            width: 2.0 * focus.radius,
             hair_radius: shadows.hair_radius,
             body_radius: shadows.body_radius,
             bias: shadows.bias,
@@ -255,7 +334,7 @@ impl Lights {
             method: method as u32,
             strand_map: 0,
             ambient: 0,
-            maps: shadows.map_count(count) as u32,
+            maps: maps as u32,
             strand_by_strand: if shadows.is_enabled { shadows.strand_by_strand.clamp(0.0, 1.0) } else { 0.0 },
             environment: self.environment.coefficients.map(|c| c.extend(0.0)),
             ambient_origin: focus.center - focus.radius,
@@ -270,42 +349,9 @@ impl Lights {
     }
 }
 
-/// Returns the world to clip space transform of the shadow map of a light in `direction`, around `focus`. The map moves
-/// with the focus in steps of `step` meters, so that shadows do not crawl.
-fn fit(direction: Vec3, focus: &Sphere, step: f32) -> Mat4 {
-    let z = direction.normalize_or(Vec3::Y);
-    let x = (if z.y.abs() > 0.99 { Vec3::Z } else { Vec3::Y }).cross(z).normalize();
-    let y = z.cross(x);
-    let radius = focus.radius.max(1e-6);
-    let snap = |v: f32| (v / step).round() * step;
-    let at = Vec3::new(snap(focus.center.dot(x)), snap(focus.center.dot(y)), focus.center.dot(z));
-    // Rows of the transform: the axes scaled to -1..1, and depth 0 at the sphere's end towards the light.
-    let row = |axis: Vec3, scale: f32, offset: f32| (axis * scale).extend(offset);
-    Mat4::from_cols(
-        row(x, 1.0 / radius, -at.x / radius),
-        row(y, 1.0 / radius, -at.y / radius),
-        row(z, -0.5 / radius, 0.5 + 0.5 * at.z / radius),
-        glam::Vec4::W,
-    )
-    .transpose()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn shadow_map_fits_the_focus() {
-        let focus = Sphere { center: Vec3::new(0.3, 1.5, -0.2), radius: 0.25 };
-        for direction in [Vec3::Y, Vec3::new(0.3, 0.5, 0.8), Vec3::NEG_Y] {
-            let matrix = fit(direction, &focus, 0.5 / 1024.0);
-            let unit = direction.normalize();
-            let center = matrix.project_point3(focus.center);
-            assert!((center - Vec3::new(0.0, 0.0, 0.5)).length() < 3e-3, "{center}");
-            let near = matrix.project_point3(focus.center + unit * 0.25);
-            assert!(near.z.abs() < 2e-3, "{near}");
-        }
-    }
 
     #[test]
     fn lights_move_with_the_camera() {
@@ -320,19 +366,6 @@ mod tests {
                 let at = Vec3::new(seen.dot(right), seen.y, seen.dot(back));
                 assert!((at - first).length() < 1e-5, "{at} {first}");
             }
-        }
-    }
-
-    #[test]
-    fn shadow_map_moves_in_whole_texels() {
-        // Along z the map may move freely, since depth has no texels.
-        let at = |x: f32| {
-            let focus = Sphere { center: Vec3::new(x, 1.5, 0.0), radius: 0.25 };
-            fit(Vec3::new(0.2, 0.6, 0.7), &focus, 0.5 / 1024.0).project_point3(Vec3::ZERO).truncate() * 512.0
-        };
-        for i in 0..50 {
-            let moved = at(0.0) - at(i as f32 * 1.3e-4);
-            assert!((moved - moved.round()).length() < 0.02, "{moved}");
         }
     }
 }

@@ -1,16 +1,24 @@
 //! Light on hair: shadows, ambient light and shading.
 //!
 //! ```text
-//! strand vertices ─┬─► hair maps (each light that is on)   ─► fibers ─► shading ─► shaded
+//! list of lights ──► selection ─► maps of the strongest; all others ─► grid of ambient light
+//! strand vertices ─┬─► hair maps (each light with a map)   ─► fibers ─► shading ─► shaded
 //! mesh ────────────┴─► depth maps, a layer each ──────────────────► solid    per vertex   per vertex
 //!                                                                             or per pixel
 //! ```
 //!
-//! **Lights** ([`Lights`]): four directional lights and a sky. A light that is off has no map and costs no loop
-//! iteration.
+//! **Lights** ([`Lights`]): a list of lights of any [shape](LightShape), a sky and an environment. Per zone, the lights
+//! with the most irradiance get shadow maps; a light that hardly beats the next one fades between its map and the grid,
+//! so that the choice never jumps (`Lights::select`). Direction and irradiance are evaluated at each shading sample and
+//! vertex (`light.wesl`). Shaders have variants (`LIGHT_OPTIONS`): a frame whose lights are all distant and have maps
+//! uses code without anything else, and costs what it cost before there were other lights.
 //!
-//! **Shadows** (`ShadowMaps`): one orthographic map per light, and one from the zenith where ambient light is
-//! estimated instead of computed. Meshes are rasterized into a depth texture. Hair is thinner than a texel; kernels
+//! **Extent.** The size of an area light adds a variance to the inclination and azimuth of its light, which widens the
+//! narrow lobes. Its shadow is averaged over eight points of the light (`transmittance::Penumbra`).
+//!
+//! **Shadows** (`ShadowMaps`): one map per light, and one from the zenith where ambient light is estimated instead of
+//! computed. A map has one view, or six for a light within the hair (`map_view`). Maps are drawn again only if their
+//! lights, hair or meshes have changed. Meshes are rasterized into a depth texture. Hair is thinner than a texel; kernels
 //! draw it into a buffer, one thread per segment. The result is a fiber count, not a transmittance: the mean number of
 //! fibers between a light and a point, from which each shading model derives its terms (`transmittance.wesl`). Meshes
 //! on the way are a separate factor. There are three methods ([`ShadowMethod`](crate::renderer::ShadowMethod)), which
@@ -57,9 +65,11 @@
 //! propagated through a grid of cells. Hair and meshes read it.
 //!
 //! **Zones** (`zone`): the heads of a crowd have their own maps and grids, with a resolution that suits their size on
-//! screen.
+//! screen. Hair and meshes of other zones that lie between a zone and a light are drawn into its maps as well, all in
+//! front of its own hair.
 //!
-//! Rejected: filters of a few rotated taps (under a turning light they jittered twelve times as much as the exact
+//! Rejected: directions and irradiance evaluated once per head, which is wrong for a lamp at arm's length; lights in
+//! tiles or clusters, since hair is shaded at samples, not at pixels; filters of a few rotated taps (under a turning light they jittered twelve times as much as the exact
 //! shadow); uniform slices (48 of them had hardly less error than these eight layers). Untried: moments instead of
 //! layers.
 
@@ -74,6 +84,7 @@ pub(crate) mod hair;
 #[allow(clippy::module_inception)]
 mod light;
 mod lights;
+mod map_view;
 pub(crate) mod material;
 mod pipelines;
 mod point_query;
@@ -84,6 +95,7 @@ pub(crate) mod scene;
 pub(crate) mod shading_subset;
 pub(crate) mod shadow;
 mod shadows;
+mod sphere;
 pub(crate) mod state;
 pub(crate) mod zone;
 
@@ -92,13 +104,14 @@ pub use environment::Environment;
 pub(crate) use frame::FrameLight;
 pub(crate) use hair::{HairSet, HairShading, HairView};
 pub use light::{Light, LightShape};
-pub use lights::{Lights, Sky, Sphere};
+pub use lights::{Lights, Sky};
 pub use material::{FiberMaterial, HairMaterial};
 pub(crate) use pipelines::Pipelines;
 pub(crate) use scene::ImportedShadows;
 pub use scene::SceneShadow;
 pub(crate) use shading_subset::ShadingSubset;
-pub(crate) use shadow::ShadowMaps;
+pub(crate) use shadow::{Casters, ShadowMaps};
 pub use shadows::Shadows;
+pub use sphere::Sphere;
 pub(crate) use state::LightState;
 pub(crate) use zone::{Part, Zone, Zones};

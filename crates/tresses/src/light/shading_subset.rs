@@ -43,8 +43,9 @@ impl ShadingSubset {
         let words = HEAD_BYTES / 4 + 2 * shaded.sample_capacity;
         let usage = wgpu::BufferUsages::INDIRECT;
         let selected = storage_with::<u32>(device, "selected samples and spans", words, usage)?;
-        let group =
-            pipelines.shade(false).bind(&state.shading(shaded.sample_bindings(camera, hair, &selected)));
+        let group = pipelines
+            .shade(false, false)
+            .bind(&state.shading(shaded.sample_bindings(camera, hair, &selected)));
         let select_visible = pipelines.select_visible.bind(&kernels::SelectVisible {
             hair: shaded.uniform.entire(),
             visible,
@@ -65,6 +66,7 @@ impl ShadingSubset {
         pipelines: &Pipelines,
         pass: &mut crate::gpu::ComputePass<'_>,
         hair: &HairSet,
+        near_lights: bool,
     ) {
         pipelines.select_visible.record(
             pass,
@@ -74,7 +76,8 @@ impl ShadingSubset {
         );
         pass.set_bind_group(1, &pipelines.gap, &[]);
         pass.set_bind_group(2, &hair.fiber().group, &[]);
-        let kernels: [&Kernel; 2] = [&pipelines.shading_samples, pipelines.shade(self.strand_maps)];
+        let kernels: [&Kernel; 2] =
+            [pipelines.shading_samples(near_lights), pipelines.shade(self.strand_maps, near_lights)];
         for (i, kernel) in kernels.into_iter().enumerate() {
             kernel.record_indirect(pass, &self.group, &[], (&self.selected, 16 * i as u64));
         }

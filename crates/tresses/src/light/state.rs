@@ -1,41 +1,69 @@
 //! Light of one view: its shadow maps, its ambient light, and the uniform of both.
 
 use super::{Ambient, Pipelines, ShadowMaps, lights::LightsUniform};
-use crate::{Context, gpu::Uniform, shaders::kernels::light as kernels};
-use std::sync::Arc;
+use crate::{
+    Context,
+    gpu::{Queue, Uniform},
+    shaders::kernels::light as kernels,
+};
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+};
 
 /// Light of a view on the GPU.
 #[derive(Debug)]
 pub struct LightState {
     pub(super) pipelines: Arc<Pipelines>,
+    pub(super) queue: Queue,
     pub(super) maps: ShadowMaps,
     pub(super) ambient: Ambient,
+    /// Whether lights of the frame are not distant or have no shadow map, or are more than four.
+    pub(super) has_near_lights: AtomicBool,
     pub(crate) lights: Uniform,
     /// `@group(0)` of everything that is drawn in this light.
     pub(crate) frame: wgpu::BindGroup,
 }
 
 impl LightState {
-    /// Creates maps of `resolution`² texels, a grid of `cells` cells per edge and, unless `strand_map` is 0, strand
-    /// maps of `strand_map`² texels. `camera` is the uniform of the camera.
+    /// Creates maps for `map_count` lights, of `resolution`² texels, a grid of `cells` cells per edge and, unless
+    /// `strand_map` is 0, strand maps of `strand_map`² texels. `camera` is the uniform of the camera.
     pub(crate) fn new(
         context: &Context,
         [resolution, cells]: [u32; 2],
-        strand_map: u32,
+        [map_count, strand_map]: [u32; 2],
         camera: &Uniform,
     ) -> Self {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
         let lights = device.uniform(size_of::<LightsUniform>());
-        let maps = ShadowMaps::new(context, &pipelines, [resolution, strand_map]);
+        let maps = ShadowMaps::new(context, &pipelines, map_count, [resolution, strand_map]);
         let ambient = Ambient::new(context, &pipelines.ambient, cells, maps.transmittance(&lights));
         let frame = frame_resources(camera, &lights, &maps, &ambient);
-        Self { frame: device.group("frame", &pipelines.frame, &frame), pipelines, maps, ambient, lights }
+        let frame = device.group("frame", &pipelines.frame, &frame);
+        let queue = context.queue.clone();
+        Self { frame, pipelines, queue, maps, ambient, has_near_lights: AtomicBool::default(), lights }
     }
 
-    /// Whether maps and grid have these sizes.
-    pub(super) fn fits(&self, [resolution, cells]: [u32; 2]) -> bool {
-        self.maps.resolution == ShadowMaps::within(resolution)
+    /// Maximum number of lights with shadow maps.
+    pub(crate) fn max_lights(&self) -> u32 {
+        self.maps.count
+    }
+
+    /// Whether lights of the frame are not distant or have no shadow map, or are more than four. Their shaders have more code.
+    pub(crate) fn has_near_lights(&self) -> bool {
+        self.has_near_lights.load(Ordering::Relaxed)
+    }
+
+    /// Sets [`has_near_lights`](Self::has_near_lights).
+    pub(crate) fn set_near_lights(&self, has: bool) {
+        self.has_near_lights.store(has, Ordering::Relaxed);
+    }
+
+    /// Whether maps and grid have these sizes, for `map_count` lights.
+    pub(super) fn fits(&self, [resolution, cells]: [u32; 2], map_count: u32) -> bool {
+        self.maps.count == ShadowMaps::count_within(map_count)
+            && self.maps.resolution == ShadowMaps::within(resolution)
             && self.ambient.cells() == Ambient::within(cells)
     }
 
@@ -46,7 +74,18 @@ impl LightState {
 
     /// Bindings of the kernels that shade the hair of `shading_sample`.
     pub(super) fn shading<'a>(&'a self, shading_sample: kernels::ShadingSample<'a>) -> kernels::Shading<'a> {
-        kernels::Shading { shading_sample, transmittance: self.transmittance(), ambient: self.ambient() }
+        let unmapped_grid = self.ambient.unmapped_grid();
+        kernels::Shading {
+            shading_sample,
+            transmittance: self.transmittance(),
+            ambient: self.ambient(),
+            unmapped_grid,
+        }
+    }
+
+    /// Grid of the light without shadow maps.
+    pub(crate) fn unmapped_grid(&self) -> &wgpu::TextureView {
+        self.ambient.unmapped_grid()
     }
 
     /// Bindings of kernels that read ambient light.
@@ -54,9 +93,9 @@ impl LightState {
         self.ambient.bindings()
     }
 
-    /// Returns the bytes of GPU memory of maps and cells of these sizes.
-    pub(super) fn bytes_of([resolution, cells]: [u32; 2]) -> u64 {
-        ShadowMaps::bytes_of(resolution) + Ambient::bytes_of(cells)
+    /// Returns the bytes of GPU memory of maps and cells of these sizes, for `map_count` lights.
+    pub(super) fn bytes_of([resolution, cells]: [u32; 2], map_count: u32) -> u64 {
+        ShadowMaps::bytes_of(resolution, map_count) + Ambient::bytes_of(cells)
     }
 
     /// Bytes of GPU memory of the shadow maps.
@@ -76,7 +115,7 @@ fn frame_resources<'a>(
     lights: &'a Uniform,
     maps: &'a ShadowMaps,
     ambient: &'a Ambient,
-) -> [wgpu::BindingResource<'a>; 8] {
+) -> [wgpu::BindingResource<'a>; 9] {
     use wgpu::BindingResource::{Sampler, TextureView};
     let kernels::Transmittance { lights, body_maps, comparison, hair_maps, hair_blocks } =
         maps.transmittance(lights);
@@ -90,5 +129,6 @@ fn frame_resources<'a>(
         hair_blocks.into(),
         TextureView(ambient_grid),
         Sampler(ambient_linear),
+        TextureView(ambient.unmapped_grid()),
     ]
 }

@@ -25,14 +25,14 @@
 //! not fall with the number of pixels. Its light is computed in every frame, so that a frame does not depend on earlier
 //! ones.
 //!
-//! Limits: zones cast no shadows on each other.
+//! Hair and meshes of a zone cast shadows on another if a light is behind them (`FrameLight::is_shadowed_by`).
 //!
 //! Rejected: cascades share near regions and blur distant ones, along the view direction. Heads in a crowd are small
 //! and far apart, so most of a cascade would be empty. Also rejected: one atlas. Every lookup of every kernel would
 //! clamp to its tile; separate buffers cost a few bind groups.
 
 use super::{LightState, Sphere};
-use crate::{Camera, Context, Pose, gpu::Uniform};
+use crate::{Camera, Context, Pose, constants::LIGHT_GROUP, gpu::Uniform};
 use std::sync::{
     Arc, Mutex, MutexGuard, PoisonError,
     atomic::{AtomicU32, Ordering},
@@ -140,9 +140,9 @@ impl Zone {
         swing + local_center(self).distance(local_center(earlier)) <= MAX_DRIFT_CELLS * cell
     }
 
-    /// Bytes of GPU memory of the zone's light.
+    /// Bytes of GPU memory of the zone's light, with four shadow maps.
     pub fn bytes(&self) -> u64 {
-        LightState::bytes_of([self.resolution, self.cells])
+        LightState::bytes_of([self.resolution, self.cells], LIGHT_GROUP)
     }
 }
 
@@ -171,15 +171,16 @@ pub(crate) struct Zones {
 }
 
 impl Zones {
-    /// Replaces the zones. `camera` is the uniform of the camera. A zone keeps the light of the old zone with
+    /// Replaces the zones, each with shadow maps for `max_lights` lights. `camera` is the uniform of the camera. A zone keeps the light of the old zone with
     /// the same index if its resolution fits.
-    pub fn set(&mut self, context: &Context, camera: &Uniform, zones: &[Zone]) {
+    pub fn set(&mut self, context: &Context, camera: &Uniform, max_lights: u32, zones: &[Zone]) {
         let mut old_zones: Vec<_> = std::mem::take(&mut self.list).into_iter().map(Some).collect();
         let mut cached = |(i, zone): (usize, &Zone)| {
             let sizes = [zone.resolution, zone.cells];
-            let kept = old_zones.get_mut(i).and_then(|old| old.take_if(|old| old.light.fits(sizes)));
+            let kept =
+                old_zones.get_mut(i).and_then(|old| old.take_if(|old| old.light.fits(sizes, max_lights)));
             let Some(kept) = kept else {
-                let light = Arc::new(LightState::new(context, sizes, 0, camera));
+                let light = Arc::new(LightState::new(context, sizes, [max_lights, 0], camera));
                 return CachedZone { zone: zone.clone(), light, ambient_zone: Mutex::default() };
             };
             // The zone may have changed since its ambient light was computed.

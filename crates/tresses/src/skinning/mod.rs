@@ -100,7 +100,7 @@ impl SkinAsset {
     /// joints; [`Error::Limit`] if a buffer exceeds the device's limits.
     pub fn new(context: &Context, rig: &Rig, body: &Body) -> Result<Self> {
         let count = rig.vertices.len() as u64;
-        if count * u64::from(Body::WORDS) * 4 != body.vertices().size() || count == 0 {
+        if count * u64::from(Body::WORDS) * 4 != body.vertex_buffer().size() || count == 0 {
             return Err(Error::unusable(format!("the rig has {count} vertices and does not match the body")));
         }
         let joints = rig.joints.len();
@@ -161,7 +161,7 @@ impl Skinning {
             deltas: moves.entire(),
             palette: palette.entire(),
             shapes: shapes.entire(),
-            vertices: body.vertices().entire(),
+            vertices: body.vertex_buffer().entire(),
         });
         let (pose, due) = (RigPose::default(), AtomicBool::new(false));
         Ok(Self { pipelines, asset: asset.clone(), palette, shapes, group, pose, due })
@@ -186,6 +186,7 @@ impl Skinning {
         self.palette.write(0, bytemuck::cast_slice(&pose.palette));
         self.shapes.write(0, bytemuck::cast_slice(&pose.weights));
         body.set_bounds(self.bounds(pose));
+        body.mark_deformed();
         Ok(true)
     }
 

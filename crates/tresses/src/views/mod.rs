@@ -328,7 +328,7 @@ impl Canvas<'_, '_> {
 /// Creates the pipeline that draws meshes into depth only.
 fn body_pipeline(device: &Device, view: &wgpu::BindGroupLayout) -> Result<wgpu::RenderPipeline> {
     Recipe {
-        vertex: ("draw::body", "body_vertex"),
+        vertex: ("draw::body::0", "body_vertex"),
         layouts: &[view, &body::layout(device)],
         buffers: &[Some(Body::LAYOUT)],
         depth: Some((true, wgpu::CompareFunction::Greater)),

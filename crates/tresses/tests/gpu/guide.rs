@@ -15,7 +15,7 @@ use tresses::{
 };
 use tresses::{Camera, Character, CharacterAsset, Context, Pose, Result, Space, View};
 use tresses::{CharacterFiles, CharacterOptions, CharacterParts, CharacterSource};
-use tresses::{Compositor, HostFrame, Shade};
+use tresses::{Compositor, HostFrame};
 use tresses::{CrowdBudget, Obstacle};
 use tresses::{FaceHair, FillOptions, Styling, drape};
 use tresses::{Picture, ViewOptions};
@@ -199,7 +199,7 @@ async fn engine(guide: &Guide) -> Result<()> {
     let geometry = target(tresses.device(), Compositor::GEOMETRY, TextureUsages::COPY_SRC, (size, 1));
     let motion = geometry.create_view(&Default::default());
     let shadow = SceneShadow { light: 7, depth: &shadow_map, part: None, projection: to_lamp, bias: 0.006 };
-    let into = HostFrame { shadows: &[shadow], shade: Some(Shade::default()), ..into };
+    let into = HostFrame { shadows: &[shadow], shade: 1.0, ..into };
     let into = HostFrame { geometry: Some(&motion), ..into };
     tresses.frame(&mut encoder).composite(&mut view, &[&ann], &picture, &embed, into)?;
     tresses.queue().submit([encoder.finish()]);

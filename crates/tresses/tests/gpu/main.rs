@@ -29,6 +29,7 @@ mod grooms;
 mod guide;
 mod hair_collision;
 mod labels;
+mod lights;
 mod lod;
 mod moving;
 mod order;

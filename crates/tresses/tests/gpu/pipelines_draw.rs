@@ -83,7 +83,8 @@ fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureForma
         projection: Camera::perspective(0.5, 1.6, 0.01),
         geometry: geometry.as_ref(),
         shadows: &[SceneShadow { light: 0, depth: &map, part: None, projection: Mat4::IDENTITY, bias: 0.01 }],
-        shade: Some(Default::default()),
+        shade: 1.0,
+        shade_range: 2.5,
         is_lit: false,
     };
     let mut encoder = context.device().create_command_encoder(&Default::default());

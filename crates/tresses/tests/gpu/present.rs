@@ -45,7 +45,8 @@ fn pixels_are_tone_mapped_once() {
         let options = ViewOptions { renderer, ..common::coarse() };
         let view = View::new(context, &options, golden::SIZE, 1).expect("fits");
         let shown = |radiance: f32, tone: ToneMap| -> Vec<f32> {
-            let scene = Picture { background: Background::flat(Vec3::splat(radiance)), tone, ..unlit.clone() };
+            let scene =
+                Picture { background: Background::flat(Vec3::splat(radiance)), tone, ..unlit.clone() };
             let bytes = common::picture(context, &view, &scene, &[&hair], &[&body]);
             bytes.as_chunks::<4>().0.iter().map(|rgba| linear(f32::from(rgba[1]) / 255.0)).collect()
         };

@@ -40,7 +40,7 @@ const CASES: [(&str, Operation, Operation); 23] = [
     ("interpolate::blend", advance, draw),
     ("lod::widths", advance, draw),
     ("avoid::first_hit", advance, draw),
-    ("light::splat", draw, advance),
+    ("light::splat::0", draw, advance),
     ("light::ambient::settle", draw, advance),
     ("light::select_visible", draw, advance),
     ("light::probe", ask_shadows, draw),

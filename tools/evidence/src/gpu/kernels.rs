@@ -26,7 +26,7 @@ const KNOWN: [(&str, &str, u32); 13] = [
     ("intel", "simulate::step::", 80),
     ("intel", "simulate::twist::", 310),
     ("intel", "draw::tiles::", 90),
-    ("intel", "light::shading_samples", 70),
+    ("intel", "light::shading_samples::", 70),
     // A debug view.
     ("intel", "views::terms", 250),
     // A stack in private memory.
@@ -36,7 +36,7 @@ const KNOWN: [(&str, &str, u32); 13] = [
     ("apple", "simulate::step::", 1000),
     ("apple", "simulate::twist::", 800),
     ("apple", "draw::tiles::", 90),
-    ("apple", "light::shading_samples", 15),
+    ("apple", "light::shading_samples::", 15),
     ("apple", "views::terms", 450),
 ];
 

@@ -50,9 +50,9 @@ use peel::Peel;
 pub(crate) struct Pipelines {
     layouts: StripLayouts,
     /// Alpha to coverage: depth, then color.
-    alpha: PipelineCache<(u32, ShadingRate), [wgpu::RenderPipeline; 2]>,
+    alpha: PipelineCache<(u32, ShadingRate, bool), [wgpu::RenderPipeline; 2]>,
     /// Pipelines of depth peeling, by name.
-    parts: PipelineCache<(&'static str, ShadingRate), wgpu::RenderPipeline>,
+    parts: PipelineCache<(&'static str, ShadingRate, bool), wgpu::RenderPipeline>,
 }
 
 /// Returns the vertex entry point of strips that are shaded at `rate`. Names of fragment entry points begin with it.
@@ -61,6 +61,11 @@ fn vertex(rate: ShadingRate) -> &'static str {
         ShadingRate::PerVertex => "alpha_shaded",
         ShadingRate::PerPixel => "alpha_raw",
     }
+}
+
+/// Returns the shader that shades pixels: for distant lights only, or for all.
+fn module(near: bool) -> &'static str {
+    if near { "draw::classic::alpha::2" } else { "draw::classic::alpha::0" }
 }
 
 impl Pipelines {
@@ -72,7 +77,7 @@ impl Pipelines {
         }
     }
 
-    fn alpha(&self, samples: u32, rate: ShadingRate) -> Result<[wgpu::RenderPipeline; 2]> {
+    fn alpha(&self, samples: u32, rate: ShadingRate, near: bool) -> Result<[wgpu::RenderPipeline; 2]> {
         use wgpu::{
             ColorWrites,
             CompareFunction::{Equal, Greater},
@@ -80,14 +85,14 @@ impl Pipelines {
         let vertex = vertex(rate);
         let build = |fragment: &str, writes, depth| {
             self.layouts.build(&StripPass {
-                module: "draw::classic::alpha",
+                module: module(near),
                 entries: [vertex, &format!("{vertex}_{fragment}")],
                 writes,
                 depth,
                 samples,
             })
         };
-        self.alpha.get((samples, rate), || {
+        self.alpha.get((samples, rate, near), || {
             let depth = build("depth", ColorWrites::empty(), (true, Greater))?;
             Ok([depth, build("color", ColorWrites::ALL, (false, Equal))?])
         })
@@ -98,10 +103,10 @@ impl Pipelines {
         let rate = options.rate;
         match options.coverage {
             ClassicCoverage::AlphaToCoverage { samples } => {
-                vec![Box::new(move || self.alpha(samples, rate).map(|_| ()))]
+                vec![Box::new(move || self.alpha(samples, rate, false).map(|_| ()))]
             }
             ClassicCoverage::DepthPeeling { .. } => peel::PARTS
-                .map(|part| Box::new(move || peel::part(self, part, rate).map(|_| ())) as Job<'_>)
+                .map(|part| Box::new(move || peel::part(self, part, (rate, false)).map(|_| ())) as Job<'_>)
                 .into(),
         }
     }
@@ -115,15 +120,16 @@ impl Pipelines {
         hair: &[HairView<'_>],
         clear: bool,
     ) -> Result<()> {
+        let near = canvas.parts.iter().any(|part| part.light.has_near_lights());
         match options.coverage {
             ClassicCoverage::AlphaToCoverage { samples } => {
-                let [depth, color] = self.alpha(samples, options.rate)?;
+                let [depth, color] = self.alpha(samples, options.rate, near)?;
                 strips::record(&depth, canvas, hair, clear);
                 strips::record(&color, canvas, hair, false);
                 Ok(())
             }
             ClassicCoverage::DepthPeeling { .. } => {
-                Peel::new(self, options.rate)?.record(layers, canvas, hair)
+                Peel::new(self, (options.rate, near))?.record(layers, canvas, hair)
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Depth peeling: blends strands from front to back, one layer per pass.
 
-use super::{Canvas, Pipelines, vertex};
+use super::{Canvas, Pipelines, module, vertex};
 use crate::{
     Result,
     draw::canvas::{HDR_FORMAT, TextureKind},
@@ -46,7 +46,7 @@ fn layouts(device: &wgpu::Device) -> [wgpu::BindGroupLayout; 3] {
 pub(super) fn part(
     pipelines: &Pipelines,
     name: &'static str,
-    rate: ShadingRate,
+    (rate, near): (ShadingRate, bool),
 ) -> Result<wgpu::RenderPipeline> {
     use wgpu::{BlendFactor as Factor, CompareFunction::Greater};
     let device = &pipelines.layouts.device;
@@ -55,7 +55,7 @@ pub(super) fn part(
     let (last, write, targets) = match name {
         "under" => {
             let targets = &[blended(HDR_FORMAT, Factor::OneMinusDstAlpha, Factor::One)];
-            return pipelines.parts.get((name, ShadingRate::default()), || {
+            return pipelines.parts.get((name, ShadingRate::default(), false), || {
                 Recipe {
                     vertex: ("draw::classic::blend_layer", "blend_layer_vertex"),
                     fragment: Some(("draw::classic::blend_layer", "blend_layer_fragment")),
@@ -75,10 +75,10 @@ pub(super) fn part(
     };
     let [frame, hair, fiber] = &pipelines.layouts.groups;
     let vertex = vertex(rate);
-    pipelines.parts.get((name, rate), || {
+    pipelines.parts.get((name, rate, near), || {
         Recipe {
-            vertex: ("draw::classic::alpha", vertex),
-            fragment: Some(("draw::classic::alpha", &format!("{vertex}_{name}"))),
+            vertex: (module(near), vertex),
+            fragment: Some((module(near), &format!("{vertex}_{name}"))),
             layouts: &[frame, hair, fiber, &last],
             targets: &targets,
             depth: Some((write, Greater)),
@@ -89,8 +89,8 @@ pub(super) fn part(
 }
 
 impl Peel {
-    pub(super) fn new(pipelines: &Pipelines, rate: ShadingRate) -> Result<Self> {
-        let part = |name| part(pipelines, name, rate);
+    pub(super) fn new(pipelines: &Pipelines, variant: (ShadingRate, bool)) -> Result<Self> {
+        let part = |name| part(pipelines, name, variant);
         Ok(Self {
             layer: part("layer")?,
             blend_layer: part("under")?,

@@ -24,8 +24,6 @@
 
 pub mod shade;
 
-pub use shade::Shade;
-
 use super::{
     canvas::{Canvas, HDR_FORMAT, HdrTarget, pass},
     tiles::{Tiles, geometry},
@@ -102,11 +100,13 @@ pub struct HostFrame<'a> {
     /// of the previous frame, as after a change of the level of detail, hair counts as static and only the camera
     /// moves. Requires [`Renderer::Tiles`].
     pub geometry: Option<&'a wgpu::TextureView>,
-    /// The scene's shadow maps, which shade hair and the bodies around it. At most 16.
+    /// The scene's shadow maps, which shade hair and the bodies around it. At most 64.
     pub shadows: &'a [SceneShadow<'a>],
-    /// Shadow that hair casts on the scene by darkening its color (`shade`). For scenes whose own shaders do not call
-    /// [`shade::wgsl`].
-    pub shade: Option<Shade>,
+    /// Opacity of the shadow that hair casts on the scene by darkening its color (`shade`), 0 for none to 1. For scenes
+    /// whose own shaders do not call [`shade::wgsl`].
+    pub shade: f32,
+    /// Distance behind the hair's shadow maps at which this shadow ends, meters. It fades out over the last quarter.
+    pub shade_range: f32,
     /// Whether the caller has already recorded [`Recorder::light`](crate::frame::Recorder::light) for this frame, after
     /// the hair moved, as scenes do whose shaders evaluate hair shadows. The light is then not recorded again, and
     /// `shadows` must be empty, since `light` took them. If `light` was not recorded, the hair has the previous frame's
@@ -116,7 +116,7 @@ pub struct HostFrame<'a> {
 
 impl<'a> HostFrame<'a> {
     /// A scene with one image, drawn with `projection`, without geometry output and without shadows in either
-    /// direction.
+    /// direction. Shadows of hair would reach from a head to the floor.
     pub fn new(color: &'a wgpu::TextureView, depth: &'a wgpu::TextureView, projection: Mat4) -> Self {
         Self {
             color,
@@ -125,7 +125,8 @@ impl<'a> HostFrame<'a> {
             projection,
             geometry: None,
             shadows: &[],
-            shade: None,
+            shade: 0.0,
+            shade_range: 2.5,
             is_lit: false,
         }
     }

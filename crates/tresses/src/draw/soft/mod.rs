@@ -80,7 +80,8 @@ pub(super) struct Pipelines {
     frame: wgpu::BindGroupLayout,
     surface: PipelineCache<(), wgpu::RenderPipeline>,
     list: Kernel,
-    evaluate: Kernel,
+    /// For distant lights only, and for all.
+    evaluate: [Kernel; 2],
 }
 
 impl Pipelines {
@@ -89,7 +90,10 @@ impl Pipelines {
             frame: light.frame.clone(),
             surface: PipelineCache::default(),
             list: Kernel::new::<kernels::List>(&context.device),
-            evaluate: Kernel::new::<kernels::Evaluate>(&context.device),
+            evaluate: Kernel::each::<kernels::Evaluate, 2>(
+                &context.device,
+                ["draw::soft::evaluate::0", "draw::soft::evaluate::2"],
+            ),
         }
     }
 
@@ -110,7 +114,7 @@ impl Pipelines {
 
     /// Returns jobs that compile the pipelines.
     pub(super) fn jobs<'a>(&'a self, device: &'a Device) -> Vec<Job<'a>> {
-        let mut jobs = kernel::jobs([&self.list, &self.evaluate]);
+        let mut jobs = kernel::jobs([&self.list, &self.evaluate[0]]);
         jobs.push(Box::new(move || self.surface(device).map(|_| ())));
         jobs
     }
@@ -160,8 +164,8 @@ impl SoftTargets {
     /// Approximate GPU memory per pixel of the target, bytes.
     pub const BYTES: u64 = (16 + 8 + 4 + 4 * WORDS + 8) / (ACROSS[0] * ACROSS[0]) as u64;
 
-    /// Creates the points of a target of `size`, pixels.
-    pub(crate) fn new(device: &Device, size: [u32; 2]) -> Self {
+    /// Creates the points of a target of `size`, pixels, with light from `groups` groups of lights.
+    pub(crate) fn new(device: &Device, size: [u32; 2], groups: u32) -> Self {
         let [width, height] = size.map(|side| side.div_ceil(ACROSS[0]));
         let texture = |label, format| {
             let texture = device.create_texture(&wgpu::TextureDescriptor {
@@ -185,7 +189,8 @@ impl SoftTargets {
             })
         };
         let max_points = u64::from(width) * u64::from(height);
-        let points = buffer("soft points", 4 * WORDS * max_points, wgpu::BufferUsages::COPY_DST);
+        let points =
+            buffer("soft points", 4 * WORDS * max_points * u64::from(groups), wgpu::BufferUsages::COPY_DST);
         let uniform = device.storage_uniform(size_of::<SoftUniform>());
         let buffers = [uniform.as_entire_binding(), points.as_entire_binding()];
         Self {
@@ -309,7 +314,8 @@ impl SoftTargets {
         groups.is_used = true;
         let mut pass = canvas.commands.compute("body");
         pipelines.list.record(&mut pass, &groups.list, &[], point_count.div_ceil(STRAND_WORKGROUP));
-        pipelines.evaluate.record_indirect(&mut pass, &groups.evaluate, &[], (&self.count, 0));
+        let kernel = &pipelines.evaluate[usize::from(light.has_near_lights())];
+        kernel.record_indirect(&mut pass, &groups.evaluate, &[], (&self.count, 0));
         pass.end()
     }
 
@@ -318,13 +324,23 @@ impl SoftTargets {
         let (positions, normals) = (&self.position, &self.normal);
         let (points, listed, count) = (self.points.entire(), self.listed.entire(), self.count.entire());
         let (transmittance, ambient) = (light.transmittance(), light.ambient());
-        let evaluate =
-            kernels::Evaluate { transmittance, ambient, positions, normals, soft, points, listed, count };
+        let unmapped_grid = light.unmapped_grid();
+        let evaluate = kernels::Evaluate {
+            transmittance,
+            ambient,
+            unmapped_grid,
+            positions,
+            normals,
+            soft,
+            points,
+            listed,
+            count,
+        };
         KernelGroups {
             light: light.frame.clone(),
             uniform: uniform.clone(),
             list: pipelines.list.bind(&kernels::List { positions, soft, points, listed, count }),
-            evaluate: pipelines.evaluate.bind(&evaluate),
+            evaluate: pipelines.evaluate[0].bind(&evaluate),
             is_used: true,
         }
     }

@@ -34,6 +34,10 @@
 //! surface. Shading reads the light in front of the surface, and attenuates it to the depth that eye rays reach
 //! (`ambient_at_fiber`). A mesh surface reads occlusion by meshes one cell in front of itself, and hair closer to it.
 //!
+//! **Lights without shadow maps.** `gather_unmapped` adds up to 256 lights to each cell: their irradiance there,
+//! attenuated like the sky in the directions around theirs. Means and first moments of their radiance, per channel, go
+//! into four layers of their own, which shading reads as it reads the sky, and only in frames that have such lights.
+//!
 //! **Limits.** Light bounces once between meshes; more bounces are estimated, as in a cavity with evenly lit walls.
 //! Hair reflects no light onto skin. A mesh hides as much of the sky as one that is larger by up to a cell.
 //!
@@ -42,11 +46,12 @@
 //! much at a wall instead of 11 %, but reflect a fifth too little light and leak along rays that cross many cells.
 //! Untried: aligned fibers, which transmit more light along than across their direction.
 
+use super::lights::LightUniform;
 use crate::{
     Context, Result,
     body::{self, Body},
-    constants::{AMBIENT_STRANDS, STRAND_WORKGROUP},
-    gpu::{BindBuffer, Commands, Kernel, bindings::linear_sampler, grid::grid_texture},
+    constants::{AMBIENT_STRANDS, MAX_UNMAPPED_LIGHTS, STRAND_WORKGROUP},
+    gpu::{BindBuffer, Commands, Kernel, Queue, bindings::linear_sampler, grid::grid_texture},
     shaders::kernels::light::{Transmittance, ambient as kernels},
     strands::DrawCount,
 };
@@ -57,17 +62,21 @@ const CELL_WORDS: u64 = 8;
 /// Bytes of a settled cell.
 const SETTLED: u64 = 16;
 const LAYERS: u32 = 5;
+/// Layers of the light without shadow maps.
+const UNMAPPED_LAYERS: u32 = 4;
 
 /// Kernels of ambient light.
 #[derive(Debug)]
 pub(super) struct Pipelines {
     pub(super) splat_hair: Kernel,
     skin: Kernel,
-    splat_radiance: Kernel,
+    /// For distant lights only, and for all.
+    splat_radiance: [Kernel; 2],
     settle: Kernel,
     /// For sky light, then for mesh radiance.
     sweeps: [Kernel; 2],
     gathers: [Kernel; 2],
+    gather_unmapped: Kernel,
 }
 
 impl Pipelines {
@@ -77,7 +86,8 @@ impl Pipelines {
         Self {
             splat_hair: Kernel::new::<kernels::SplatHair>(device),
             skin: Kernel::with_shared::<kernels::Skin>(device, &[&surface]),
-            splat_radiance: Kernel::with_shared::<kernels::SplatRadiance>(device, &[&surface]),
+            splat_radiance: ["light::ambient::splat_radiance::0", "light::ambient::splat_radiance::2"]
+                .map(|module| Kernel::named::<kernels::SplatRadiance>(device, module, &[&surface])),
             settle: Kernel::new::<kernels::Settle>(device),
             sweeps: Kernel::each::<kernels::Sweep, 2>(
                 device,
@@ -87,12 +97,14 @@ impl Pipelines {
                 device,
                 ["light::ambient::gather", "light::ambient::collect"],
             ),
+            gather_unmapped: Kernel::new::<kernels::GatherUnmapped>(device),
         }
     }
 
     pub(super) fn kernels(&self) -> impl Iterator<Item = &Kernel> {
-        let Self { splat_hair, skin, splat_radiance, settle, sweeps, gathers } = self;
-        [splat_hair, skin, splat_radiance, settle].into_iter().chain(sweeps).chain(gathers)
+        // Frames without lights that have no shadow map need no `gather_unmapped`.
+        let Self { splat_hair, skin, splat_radiance, settle, sweeps, gathers, .. } = self;
+        [splat_hair, skin, &splat_radiance[0], settle].into_iter().chain(sweeps).chain(gathers)
     }
 }
 
@@ -106,6 +118,11 @@ pub(crate) struct Ambient {
     cells: u32,
     sums: wgpu::Buffer,
     result: wgpu::TextureView,
+    /// Light without shadow maps.
+    unmapped_grid: wgpu::TextureView,
+    /// Lights without shadow maps.
+    unmapped: wgpu::Buffer,
+    gather_unmapped: wgpu::BindGroup,
     sampler: wgpu::Sampler,
     skin: wgpu::BindGroup,
     splat_radiance: wgpu::BindGroup,
@@ -140,24 +157,34 @@ impl Ambient {
         let weights = storage("ambient weights", 4 * count);
         let format = wgpu::TextureFormat::Rgba16Float;
         let (_, result) = grid_texture(device, "ambient", format, [cells, cells, LAYERS * cells]);
+        let size = [cells, cells, UNMAPPED_LAYERS * cells];
+        let (_, unmapped_grid) = grid_texture(device, "unmapped lights in cells", format, size);
+        let unmapped =
+            storage("unmapped lights", u64::from(MAX_UNMAPPED_LIGHTS) * size_of::<LightUniform>() as u64);
         let sampler = linear_sampler(device);
         let (lights, sum) = (transmittance.lights, sums.entire());
         let (settled, fields, weights) = (settled.entire(), fields.entire(), weights.entire());
         let ambient = bindings(&result, &sampler);
         let sweep = kernels::Sweep { link: kernels::Link { lights, settled }, fields };
         let gather = kernels::Gather { lights, fields, weights, result: &result };
-        let Pipelines { skin, splat_radiance, settle, sweeps, gathers, .. } = pipelines;
+        let Pipelines { skin, splat_radiance, settle, sweeps, gathers, gather_unmapped, .. } = pipelines;
+        let bound =
+            kernels::GatherUnmapped { lights, fields, unmapped: unmapped.entire(), result: &unmapped_grid };
         Self {
             skin: skin.bind(&kernels::Skin { lights, cells: sum }),
-            splat_radiance: splat_radiance.bind(&kernels::SplatRadiance {
+            splat_radiance: splat_radiance[0].bind(&kernels::SplatRadiance {
                 transmittance,
                 ambient,
+                unmapped_grid: &unmapped_grid,
                 cells: sum,
             }),
             settle: settle.bind(&kernels::Settle { lights, cells: sum, settled }),
             sweeps: sweeps.each_ref().map(|kernel| kernel.bind(&sweep)),
             gathers: gathers.each_ref().map(|kernel| kernel.bind(&gather)),
+            gather_unmapped: gather_unmapped.bind(&bound),
             cells,
+            unmapped: unmapped.clone(),
+            unmapped_grid: unmapped_grid.clone(),
             sampler: sampler.clone(),
             sums: sums.clone(),
             result: result.clone(),
@@ -190,6 +217,18 @@ impl Ambient {
         bindings(&self.result, &self.sampler)
     }
 
+    /// Light without shadow maps, four layers of cells.
+    pub(super) fn unmapped_grid(&self) -> &wgpu::TextureView {
+        &self.unmapped_grid
+    }
+
+    /// Uploads the lights without shadow maps.
+    pub(super) fn prepare(&self, queue: &Queue, lights: &[LightUniform]) {
+        if !lights.is_empty() {
+            queue.write_buffer(&self.unmapped, 0, bytemuck::cast_slice(lights));
+        }
+    }
+
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
         Self::bytes_of(self.cells)
@@ -198,8 +237,9 @@ impl Ambient {
     /// Returns the bytes of GPU memory of a grid with `cells` cells per edge.
     pub(super) fn bytes_of(cells: u32) -> u64 {
         let cells = u64::from(Self::within(cells));
-        let cell = 4 * CELL_WORDS + SETTLED + 4 + 8 * u64::from(DIRECTIONS) + 8 * u64::from(LAYERS);
-        cell * cells.pow(3)
+        let layers = LAYERS + UNMAPPED_LAYERS;
+        let cell = 4 * CELL_WORDS + SETTLED + 4 + 8 * u64::from(DIRECTIONS) + 8 * u64::from(layers);
+        cell * cells.pow(3) + u64::from(MAX_UNMAPPED_LIGHTS) * size_of::<LightUniform>() as u64
     }
 
     /// Records all kernels. Call it after the shadow maps.
@@ -209,7 +249,9 @@ impl Ambient {
         commands: &mut Commands<'_>,
         hair: &[(DrawCount, &wgpu::BindGroup)],
         (bodies, every): (&[&Body], u32),
+        (near_lights, has_unmapped): (bool, bool),
     ) -> Result<()> {
+        let splat_radiance = &pipelines.splat_radiance[usize::from(near_lights)];
         commands.clear(&self.sums, None);
         let mut recorded = commands.compute("ambient");
         let pass = &mut recorded;
@@ -222,8 +264,7 @@ impl Ambient {
         }
         let cells = self.cells.pow(3);
         for i in 0..2 {
-            let (kernel, group) =
-                [(&pipelines.skin, &self.skin), (&pipelines.splat_radiance, &self.splat_radiance)][i];
+            let (kernel, group) = [(&pipelines.skin, &self.skin), (splat_radiance, &self.splat_radiance)][i];
             for body in bodies {
                 pass.set_bind_group(1, &body.surface_group, &[]);
                 kernel.record(
@@ -236,6 +277,11 @@ impl Ambient {
             pipelines.settle.record(pass, &self.settle, &[], cells.div_ceil(STRAND_WORKGROUP));
             pipelines.sweeps[i].record(pass, &self.sweeps[i], &[], DIRECTIONS);
             pipelines.gathers[i].record(pass, &self.gathers[i], &[], cells.div_ceil(STRAND_WORKGROUP));
+            // The light that bodies reflect includes these lights.
+            if i == 0 && has_unmapped {
+                let groups = cells.div_ceil(STRAND_WORKGROUP);
+                pipelines.gather_unmapped.record(pass, &self.gather_unmapped, &[], groups);
+            }
         }
         recorded.end()
     }

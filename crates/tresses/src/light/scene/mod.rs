@@ -15,7 +15,7 @@
 //! Rejected: reading the host's maps where hair is shaded, which would add bindings and lookups to every kernel that
 //! reads light, for all users; reprojecting their depth as points, which leaves holes.
 
-use super::{FrameLight, Sphere};
+use super::{FrameLight, Sphere, map_view::MapView};
 use crate::{
     Context, Error, Result,
     gpu::{
@@ -27,8 +27,8 @@ use crate::{
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3, Vec4};
 
-/// Maximum number of scene shadow maps in a frame.
-pub const MAX_SCENE_SHADOWS: usize = 16;
+/// Maximum number of scene shadow maps in a frame, of lights that have shadow maps.
+pub const MAX_SCENE_SHADOWS: usize = 64;
 
 /// Difference of depth that counts as an edge in a scene's map, meters.
 const DISCONTINUITY: f32 = 0.03;
@@ -78,7 +78,7 @@ fn is_flat(projection: &Mat4) -> bool {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct SceneUniform {
-    /// Clip space of the view's map to clip space of the scene's map.
+    /// Clip space of the view into the hair's map, with linear depth, to clip space of the scene's map.
     pub to_scene: Mat4,
     /// Origin of the scene's map in its texture, texels.
     pub origin: [u32; 2],
@@ -90,15 +90,21 @@ pub(crate) struct SceneUniform {
     pub discontinuity: f32,
     /// Depth of empty texels in the scene's map.
     pub nothing: f32,
-    /// Texels along each edge of the view's map.
-    pub edge: f32,
+    /// Unused.
+    pub _pad: u32,
+    /// Left and upper edge of the view's part of the hair's map, then its width and height, texels.
+    pub part: [f32; 4],
+    /// Distances of the view's ends from the light; both 1 for parallel rays.
+    pub ends: [f32; 2],
+    /// Unused.
+    pub _pad_2: [u32; 2],
 }
 
 impl SceneUniform {
-    /// Returns the shader data to import `shadow` into a map of `edge`² texels, with the world to clip space transform
-    /// `map` and a depth of `range` meters.
-    fn new(shadow: &SceneShadow<'_>, map: Mat4, (range, edge): (f32, u32)) -> Self {
-        let to_scene = shadow.projection * map.inverse();
+    /// Returns the shader data to import `shadow` into `view`, which is a part of a map of `edge`² texels.
+    fn new(shadow: &SceneShadow<'_>, view: &MapView, edge: u32) -> Self {
+        let to_scene = shadow.projection * view.local().inverse();
+        let range = view.range;
         // If depth rises away from the light, empty texels are at 1.
         let [z, w] = [shadow.projection.row(2), shadow.projection.row(3)];
         let rises = if is_flat(&shadow.projection) {
@@ -118,7 +124,10 @@ impl SceneUniform {
             bias: depth_fraction(shadow.bias),
             discontinuity: depth_fraction(DISCONTINUITY),
             nothing: if rises { 1.0 } else { 0.0 },
-            edge: edge as f32,
+            _pad: 0,
+            part: view.viewport(edge),
+            ends: if view.near > 0.0 { [view.near, view.near + view.range] } else { [1.0; 2] },
+            _pad_2: [0; 2],
         }
     }
 }
@@ -154,7 +163,7 @@ impl Pipelines {
     }
 }
 
-/// Scene shadows imported in a frame: the index of the view's map, and the bind group, of each.
+/// Scene shadows imported in a frame: the index of the view into the hair's maps, and the bind group, of each.
 #[derive(Debug, Default)]
 pub(crate) struct ImportedShadows {
     pipeline: Option<wgpu::RenderPipeline>,
@@ -177,27 +186,38 @@ impl ImportedShadows {
             return Ok(Self::default());
         }
         shadows.iter().try_for_each(check)?;
-        if shadows.len() > MAX_SCENE_SHADOWS {
-            return Err(wrong("the number of shadow maps of a scene", shadows.len(), "at most 16"));
+        let FrameLight { lights, views, focus, .. } = lit;
+        let has_map = |shadow: &&SceneShadow<'_>| lights.iter().any(|light| light.id == shadow.light);
+        let applicable = shadows.iter().filter(has_map).filter(|shadow| shadow.covers(focus).is_some());
+        let applicable: Vec<_> = applicable.collect();
+        if applicable.len() > MAX_SCENE_SHADOWS {
+            let name = "the number of shadow maps of a scene that cover the hair";
+            return Err(wrong(name, applicable.len(), "at most 64"));
         }
-        let FrameLight { ids, matrices, range, focus, .. } = lit;
-        let applicable = shadows.iter().filter(|shadow| shadow.covers(focus).is_some());
-        let imported = applicable.filter_map(|shadow| {
-            let map = ids.iter().position(|id| *id == shadow.light)?;
-            let values = SceneUniform::new(shadow, matrices[map], (*range, resolution));
-            let uniform = constant(&pipelines.device, "scene shadow", &values);
-            let depth = wgpu::BindingResource::TextureView(shadow.depth);
-            let bound = [uniform.as_entire_binding(), depth];
-            Some((map, pipelines.device.group("scene shadow", &pipelines.layout, &bound)))
+        let imported = applicable.into_iter().flat_map(|shadow| {
+            let map = lights.iter().position(|light| light.id == shadow.light);
+            let own = move |view: &MapView| map == Some(view.map as usize);
+            views.iter().enumerate().filter(move |(_, view)| own(view)).map(move |(number, view)| {
+                let values = SceneUniform::new(shadow, view, resolution);
+                let uniform = constant(&pipelines.device, "scene shadow", &values);
+                let depth = wgpu::BindingResource::TextureView(shadow.depth);
+                let bound = [uniform.as_entire_binding(), depth];
+                (number, pipelines.device.group("scene shadow", &pipelines.layout, &bound))
+            })
         });
         let groups: Vec<_> = imported.collect();
         let pipeline = if groups.is_empty() { None } else { Some(pipelines.transfer()?) };
         Ok(Self { pipeline, groups })
     }
 
-    /// Records the import into map number `map`, in the render pass of that map.
-    pub fn record(&self, pass: &mut crate::gpu::RenderPass<'_>, map: usize) {
-        let mut groups = self.groups.iter().filter(|(into, _)| *into == map).peekable();
+    /// Whether no scene shadow is imported.
+    pub fn is_empty(&self) -> bool {
+        self.groups.is_empty()
+    }
+
+    /// Records the import into view number `view`, in the render pass of its map.
+    pub fn record(&self, pass: &mut crate::gpu::RenderPass<'_>, view: usize) {
+        let mut groups = self.groups.iter().filter(|(into, _)| *into == view).peekable();
         let Some(pipeline) = self.pipeline.as_ref().filter(|_| groups.peek().is_some()) else { return };
         pass.set_pipeline(pipeline);
         for (_, group) in groups {

@@ -50,7 +50,7 @@ impl<'a> Bench<'a> {
     }
 
     /// Records a frame and the probe. Returns the image and the shadows at the points.
-    fn frame(&mut self) -> (Vec<u8>, Vec<[Shadow; 4]>) {
+    fn frame(&mut self) -> (Vec<u8>, Vec<[Shadow; 8]>) {
         let Self { context, view, hair, body, probe, scene } = self;
         let bodies: Vec<_> = body.iter().collect();
         let mut encoder = context.device().create_command_encoder(&Default::default());

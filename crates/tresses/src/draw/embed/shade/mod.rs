@@ -15,8 +15,8 @@
 //! to other lights; those are darkened as well. Normals are per triangle.
 //!
 //! Both are as wide as the light's shadow map. Along the light's direction, the pass ends at a distance
-//! ([`Shade::reach`]): it does not know the geometry in between, and would otherwise also darken the floor of the story
-//! below. Shadows do not widen with distance, as they would for a nearby light. In the pass each zone casts its own
+//! ([`HostFrame::shade_range`]): it does not know the geometry in between, and would otherwise also darken the floor of the story
+//! below. In the pass each zone casts its own
 //! shadow; the function reads only the view's own maps.
 
 use super::{HostFrame, has_samples};
@@ -28,8 +28,7 @@ use crate::{
         bindings::layout,
         pipeline::{PipelineCache, Recipe, blended},
     },
-    light,
-    shaders,
+    light, shaders,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
@@ -47,22 +46,6 @@ pub fn wgsl(group: u32) -> String {
     shaders::source("draw::embed::shade::outside").replace("@group(0)", &format!("@group({group})"))
 }
 
-/// Options of the pass that casts hair shadows on a scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shade {
-    /// Opacity of the shadow, 0 to 1.
-    pub strength: f32,
-    /// Distance behind the hair's shadow maps at which the shadow ends, meters. It fades out over the last quarter.
-    pub range: f32,
-}
-
-impl Default for Shade {
-    /// Full strength, and a reach from a head to the floor.
-    fn default() -> Self {
-        Self { strength: 1.0, range: 2.5 }
-    }
-}
-
 /// Uniform of the pass.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -75,9 +58,9 @@ pub(crate) struct ShadeUniform {
     pub origin: [u32; 2],
     /// Width and height of the image, pixels.
     pub size: [u32; 2],
-    /// [`Shade::strength`].
+    /// [`HostFrame::shade`].
     pub strength: f32,
-    /// [`Shade::range`].
+    /// [`HostFrame::shade_range`].
     pub range: f32,
     /// Depth of the scene's background, where nothing was drawn.
     pub nothing: f32,
@@ -86,15 +69,15 @@ pub(crate) struct ShadeUniform {
 }
 
 impl ShadeUniform {
-    fn new(shade: &Shade, canvas: &Canvas<'_, '_>, into: &HostFrame<'_>) -> Self {
+    fn new(canvas: &Canvas<'_, '_>, into: &HostFrame<'_>) -> Self {
         let depth = |z: f32| into.projection.project_point3(Vec3::NEG_Z * z).z;
         Self {
             to_eye: into.projection.inverse(),
             to_world: canvas.camera.view.inverse(),
             origin: into.origin,
             size: canvas.target.size,
-            strength: shade.strength.clamp(0.0, 1.0),
-            range: shade.range.max(0.0),
+            strength: into.shade.clamp(0.0, 1.0),
+            range: into.shade_range.max(0.0),
             nothing: if depth(2.0) > depth(1.0) { 1.0 } else { 0.0 },
             _pad: 0,
         }
@@ -149,11 +132,12 @@ impl Caster {
     /// Darkens the scene's color where hair is between it and the lights.
     pub fn record(&self, canvas: &mut Canvas<'_, '_>, into: &HostFrame<'_>) -> Result<()> {
         // `max` turns NaN into 0, which casts no shadow.
-        let casts = |shade: &Shade| shade.strength.max(0.0) > 0.0 && shade.range.max(0.0) > 0.0;
-        let Some(shade) = into.shade.filter(casts) else { return Ok(()) };
+        if into.shade.max(0.0) == 0.0 || into.shade_range.max(0.0) == 0.0 {
+            return Ok(());
+        }
         let many = has_samples(into.depth);
         let pipeline = self.pipeline(many)?;
-        let values = ShadeUniform::new(&shade, canvas, into);
+        let values = ShadeUniform::new(canvas, into);
         self.uniform.write(0, bytemuck::bytes_of(&values));
         let bound = [self.uniform.as_entire_binding(), wgpu::BindingResource::TextureView(into.depth)];
         let own =
