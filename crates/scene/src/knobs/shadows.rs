@@ -29,7 +29,7 @@ const KNOBS: &[Knob] = rows! { "shadows";
     "maps" "Lights with shadow maps" [view.shadow_maps] integer(PLAIN, 1, 8, 1), advanced, rebuild,
         flag(flag("shadow-maps", "N")),
         also("maximum shadow casters"),
-        "Maximum number of lights with shadow maps; all others light the hair softly, through the grid of ambient light.";
+        "Maximum number of lights with shadow maps; others light the hair softly.";
     "resolution" "Resolution" [view.shadow_resolution] integer(TEXELS, 64, 2048, 1),
         advanced, rebuild, flag(flag("shadow-resolution", "N")),
         also("shadow map size"),
