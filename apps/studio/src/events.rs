@@ -3,7 +3,8 @@
 //! egui hit-tests once per frame, at the pointer's last position in that frame. With a software driver a frame can take
 //! seconds. A click followed by a move within one frame would then hit the widget under the later position, and a
 //! slider dragged and released within one frame would not move. Therefore, once the pointer leaves the position of a
-//! press or release, the remaining events wait for the next frame.
+//! press or release, the remaining events wait for the next frame. So do keys after a press or release, since a field
+//! that is clicked has the focus only from the next frame on.
 
 use eframe::egui::{Event, Pos2};
 
@@ -33,6 +34,7 @@ fn first_that_waits(events: &[Event]) -> usize {
         let (at, is_button) = match event {
             Event::PointerMoved(at) => (*at, false),
             Event::PointerButton { pos, .. } => (*pos, true),
+            Event::Key { .. } | Event::Text(_) | Event::Paste(_) if press_position.is_some() => return i,
             _ => continue,
         };
         match press_position {
@@ -49,23 +51,33 @@ mod tests {
     use super::*;
     use eframe::egui::{self, Modifiers, PointerButton, pos2};
 
-    /// Runs a window with two buttons and a slider that receives `events` in one frame, then runs frames until no event
-    /// is deferred. Returns the clicks of each button and the slider's value. Without `waits`, no event is deferred.
-    fn after(events: &[Event], waits: bool) -> ([u32; 2], f32) {
+    /// Values of a window's widgets.
+    #[derive(Default)]
+    struct Widgets {
+        clicks: [u32; 2],
+        slider: f32,
+        text: String,
+    }
+
+    /// Runs a window with two buttons, a slider and a text field that receives `events` in one frame, then runs frames
+    /// until no event is deferred. Without `waits`, no event is deferred.
+    fn after(events: &[Event], waits: bool) -> Widgets {
         let (context, mut waiting) = (egui::Context::default(), EventQueue::default());
-        let (mut clicks, mut value) = ([0; 2], 0.0);
+        let mut widgets = Widgets::default();
         let mut frame = |mut events: Vec<Event>| {
             let more = waits && waiting.exchange(&mut events);
             let rect = egui::Rect::from_min_size(Pos2::ZERO, egui::vec2(400.0, 300.0));
             let input = egui::RawInput { screen_rect: Some(rect), events, ..Default::default() };
             let mut output = context.run_ui(input, |ui| {
-                for (i, clicks) in clicks.iter_mut().enumerate() {
+                for (i, clicks) in widgets.clicks.iter_mut().enumerate() {
                     let place =
                         egui::Rect::from_min_size(pos2(20.0, 50.0 * i as f32), egui::vec2(80.0, 30.0));
                     *clicks += u32::from(ui.put(place, egui::Button::new("here")).clicked());
                 }
                 let place = egui::Rect::from_min_size(pos2(20.0, 200.0), egui::vec2(200.0, 30.0));
-                ui.put(place, egui::Slider::new(&mut value, 0.0..=1.0).show_value(false));
+                ui.put(place, egui::Slider::new(&mut widgets.slider, 0.0..=1.0).show_value(false));
+                let place = egui::Rect::from_center_size(FIELD, egui::vec2(80.0, 20.0));
+                ui.put(place, egui::TextEdit::singleline(&mut widgets.text));
             });
             // Nothing is painted.
             output.textures_delta.clear();
@@ -78,7 +90,7 @@ mod tests {
         while more {
             more = frame(Vec::new());
         }
-        (clicks, value)
+        widgets
     }
 
     fn button(pos: Pos2, pressed: bool) -> Event {
@@ -90,17 +102,18 @@ mod tests {
     }
 
     const BUTTONS: [Pos2; 2] = [pos2(60.0, 15.0), pos2(60.0, 65.0)];
+    const FIELD: Pos2 = pos2(60.0, 260.0);
 
     #[test]
     fn click_hits_the_widget_under_the_press() {
         let mut events = click(BUTTONS[0]).to_vec();
         events.push(Event::PointerMoved(BUTTONS[1]));
-        assert_eq!(after(&events, true).0, [1, 0]);
+        assert_eq!(after(&events, true).clicks, [1, 0]);
         // Without deferral the click hits the widget at the later position.
-        assert_ne!(after(&events, false).0, [1, 0]);
+        assert_ne!(after(&events, false).clicks, [1, 0]);
         let both = click(BUTTONS[0]).into_iter().chain(click(BUTTONS[1])).collect::<Vec<_>>();
-        assert_eq!(after(&both, true).0, [1, 1]);
-        assert_ne!(after(&both, false).0, [1, 1]);
+        assert_eq!(after(&both, true).clicks, [1, 1]);
+        assert_ne!(after(&both, false).clicks, [1, 1]);
     }
 
     #[test]
@@ -108,9 +121,17 @@ mod tests {
         let (from, to) = (pos2(25.0, 215.0), pos2(150.0, 215.0));
         let events =
             [Event::PointerMoved(from), button(from, true), Event::PointerMoved(to), button(to, false)];
-        let (pulled, still) = (after(&events, true).1, after(&events, false).1);
+        let (pulled, still) = (after(&events, true).slider, after(&events, false).slider);
         assert!(pulled > 0.3, "{pulled}");
         assert!(still < 0.1, "what this is for: {still}");
+    }
+
+    #[test]
+    fn text_reaches_a_field_clicked_in_the_same_frame() {
+        let letters = ["a", "b"].map(|letter| Event::Text(letter.into()));
+        let events: Vec<_> = click(FIELD).into_iter().chain(letters).collect();
+        assert_eq!(after(&events, true).text, "ab");
+        assert_ne!(after(&events, false).text, "ab");
     }
 
     #[test]
@@ -118,7 +139,6 @@ mod tests {
         let near = pos2(62.0, 17.0);
         let mut events = click(BUTTONS[0]).to_vec();
         events.insert(2, Event::PointerMoved(near));
-        events.push(Event::Text("a".into()));
         events.push(Event::PointerGone);
         let mut taken = events.clone();
         assert!(!EventQueue::default().exchange(&mut taken));

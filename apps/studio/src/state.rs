@@ -49,6 +49,8 @@ pub struct State {
     pub drawn: u32,
     /// Progress of a refinement: finished parts, and all parts.
     pub parts: [usize; 2],
+    /// Position of the pointer in the last frame of the window, points; none outside the window.
+    pub pointer: Option<[f32; 2]>,
     /// Distance from the camera to its target, meters.
     pub distance: f32,
     /// Duration of the last frame, milliseconds.

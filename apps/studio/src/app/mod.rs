@@ -280,6 +280,7 @@ impl Studio {
             ssaa: picture.map_or(0, |picture| picture.ssaa),
             drawn: picture.map_or(0, |picture| picture.strands),
             parts: renderer.refined().filter(|_| !records).map_or([0; 2], <[usize; 2]>::from),
+            pointer: context.input(|input| input.pointer.latest_pos()).map(Into::into),
             distance: renderer.orbit.camera().distance(),
             milliseconds: show.map_or(0.0, |show| show.milliseconds),
             adapter: renderer.gpu.info.name.clone(),

@@ -26,6 +26,8 @@ pub struct Desk {
     state: PathBuf,
     root: Window,
     window: Window,
+    /// Last position of the pointer, pixels; none before its first event.
+    pointer: Option<[i16; 2]>,
 }
 
 /// A screenshot of the window.
@@ -102,7 +104,7 @@ impl Desk {
     /// Opens the studio in a folder, with environment variables.
     pub fn open_in(folder: &Path, arguments: &[&str], variables: &[(&str, &str)]) -> Self {
         let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "1920x1200x24", "-nolisten", "tcp", "-noreset"])
+            .args(["-displayfd", "1", "-screen", "0", "1920x1200x24", "-nolisten", "tcp", "-noreset", "-r"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
@@ -135,7 +137,7 @@ impl Desk {
             .unwrap();
         let (connection, screen) = RustConnection::connect(Some(&display)).unwrap();
         let root = connection.setup().roots[screen].root;
-        let mut desk = Self { server, studio, connection, state, root, window: 0 };
+        let mut desk = Self { server, studio, connection, state, root, window: 0, pointer: None };
         desk.window = desk.wait_for("the window", Self::find);
         desk
     }
@@ -197,8 +199,22 @@ impl Desk {
         serde_json::from_slice(&std::fs::read(&self.state).ok()?).ok()
     }
 
-    /// Returns a screenshot once nothing is in flight and the window no longer changes.
+    /// Waits until the studio has seen the pointer where it is now, and so every event before.
+    pub fn arrive(&mut self) {
+        let Some([x, y]) = self.pointer else { return };
+        self.wait_for("pointer", |desk| {
+            let pointer = desk.state()?["pointer"].clone();
+            (pointer[0].as_f64() == Some(x.into()) && pointer[1].as_f64() == Some(y.into())).then_some(())
+        });
+    }
+
+    /// Returns a screenshot once all events have been handled, nothing is in flight and the window no longer changes.
     pub fn still(&mut self) -> Shot {
+        // The studio handles events in order, and a move by a pixel after all others.
+        if let Some([x, y]) = self.pointer {
+            self.move_to([x ^ 1, y]);
+            self.arrive();
+        }
         let mut last = None;
         self.wait_for("picture that stands still", |desk| {
             std::thread::sleep(Duration::from_millis(200));
@@ -215,12 +231,15 @@ impl Desk {
         })
     }
 
-    fn fake(&self, kind: u8, detail: u8, x: i16, y: i16) {
+    fn fake(&mut self, kind: u8, detail: u8, x: i16, y: i16) {
         self.send(kind, detail, x, y);
         std::thread::sleep(Duration::from_millis(30));
     }
 
-    fn send(&self, kind: u8, detail: u8, x: i16, y: i16) {
+    fn send(&mut self, kind: u8, detail: u8, x: i16, y: i16) {
+        if kind == xproto::MOTION_NOTIFY_EVENT {
+            self.pointer = Some([x, y]);
+        }
         self.connection.xtest_fake_input(kind, detail, 0, self.root, x, y, 0).unwrap();
         self.connection.flush().unwrap();
     }

@@ -66,6 +66,7 @@ fn lights_are_dragged_in_the_view_and_undone() {
     // With Shift, it moves away from the camera.
     desk.hold(SHIFT, |desk| {
         desk.drag(1, [to, [to[0], to[1] - 50]], |desk| {
+            desk.arrive();
             lights(desk, "the light farther away", |lights| center(lights) != center(&moved))
         })
     });
