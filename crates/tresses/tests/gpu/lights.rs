@@ -11,6 +11,14 @@ use tresses::{
     renderer::{Renderer, ShadingModel},
 };
 
+/// Vertical, radians.
+const FIELD_OF_VIEW: f32 = 0.6;
+
+fn from_srgb(byte: u8) -> f32 {
+    let level = f32::from(byte) / 255.0;
+    if level > 0.04045 { ((level + 0.055) / 1.055).powf(2.4) } else { level / 12.92 }
+}
+
 /// Hair on a ball, in lights of all shapes.
 struct Bench<'a> {
     context: &'a Context,
@@ -28,7 +36,7 @@ impl<'a> Bench<'a> {
         let mut body = Body::new(context, &golden::ball());
         body.material = BodyMaterial { wrap: 0.0, ..Default::default() };
         let picture = Picture {
-            camera: Camera::look_at(Vec3::new(0.1, 0.15, 0.6), Vec3::ZERO, 0.6, golden::SIZE),
+            camera: Camera::look_at(Vec3::new(0.1, 0.15, 0.6), Vec3::ZERO, FIELD_OF_VIEW, golden::SIZE),
             focus: Sphere { center: Vec3::ZERO, radius: 0.2 },
             lights: Lights { list: Vec::new(), sky: Sky::default(), ..Default::default() },
             shadows: Shadows { strand_by_strand: 0.0, ..Default::default() },
@@ -54,6 +62,39 @@ impl<'a> Bench<'a> {
     /// Reads back the image that was drawn last.
     fn image(&self) -> Vec<u8> {
         pollster::block_on(self.view.targets().read()).unwrap()
+    }
+
+    /// Draws the ball above a floor `height` meters below it. Returns the linear brightness of the image's middle row, on
+    /// the floor in front of the ball.
+    fn floor(&mut self, light: Light, height: f32) -> Vec<f32> {
+        let mut floor = golden::ball();
+        let corner = |x: f32, z: f32| Vec3::new(0.19 * x, -0.08 - height, 0.19 * z);
+        let plane =
+            common::rectangle([corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)]);
+        let first = floor.positions.len() as u32;
+        floor.positions.extend(&plane.positions);
+        floor.normals.extend(vec![Vec3::Y; plane.positions.len()]);
+        floor.triangles.extend(plane.triangles.iter().map(|corners| corners.map(|i| i + first)));
+        self.body = Body::new(self.context, &floor);
+        self.body.material = BodyMaterial { wrap: 0.0, gloss: 0.0, ..Default::default() };
+        let (eye, target) = Self::above_floor(height);
+        self.picture.camera = Camera::look_at(eye, target, FIELD_OF_VIEW, golden::SIZE);
+        self.radiance(vec![light]);
+        let image = self.image();
+        let [width, row] = [golden::SIZE[0] as usize, golden::SIZE[1] as usize / 2];
+        (0..width).map(|x| from_srgb(image[4 * (row * width + x) + 1])).collect()
+    }
+
+    /// Returns the camera of [`floor`](Self::floor) and its target, which is in the middle of the row.
+    fn above_floor(height: f32) -> (Vec3, Vec3) {
+        (Vec3::new(0.0, 0.02 - height, 0.45), Vec3::Y * (-0.08 - height))
+    }
+
+    /// Returns the x coordinates of the points of the floor in the row of [`floor`](Self::floor).
+    fn floor_points(height: f32) -> impl Iterator<Item = f32> {
+        let (eye, target) = Self::above_floor(height);
+        let step = 2.0 * (0.5 * FIELD_OF_VIEW).tan() * eye.distance(target) / golden::SIZE[1] as f32;
+        (0..golden::SIZE[0]).map(move |x| (x as f32 + 0.5 - 0.5 * golden::SIZE[0] as f32) * step)
     }
 
     /// Returns the shadows at points of the hair, for each light with a map.
@@ -330,43 +371,61 @@ fn shadows_of_large_lights_widen_with_distance() {
     let Some(context) = common::context() else { return };
     let mut bench = Bench::new(context, Renderer::masks(1), 4);
     bench.hair = common::segments(context, &[[Vec3::splat(5.0), Vec3::splat(5.1)]], 1e-4);
-    // A wall below the ball, which casts a shadow on it. Light from above.
     let mut shadow = |radius: f32, height: f32| {
-        let mut wall = golden::ball();
-        let corner = |x: f32, z: f32| Vec3::new(0.19 * x, -0.08 - height, 0.19 * z);
-        let plane =
-            common::rectangle([corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)]);
-        let first = wall.positions.len() as u32;
-        wall.positions.extend(&plane.positions);
-        wall.normals.extend(vec![Vec3::Y; plane.positions.len()]);
-        wall.triangles.extend(plane.triangles.iter().map(|corners| corners.map(|i| i + first)));
-        bench.body = Body::new(context, &wall);
-        bench.body.material = BodyMaterial { wrap: 0.0, gloss: 0.0, ..Default::default() };
         let up = Vec3::Y * 0.6;
-        bench.picture.camera = Camera::look_at(
-            Vec3::new(0.0, 0.02 - height, 0.45),
-            Vec3::Y * (-0.08 - height),
-            0.6,
-            golden::SIZE,
-        );
         let light = match radius > 0.0 {
             true => Light::new(LightShape::Sphere { center: up, radius }, 1.0 / (radius * radius)),
             false => Light::point(up, Vec3::splat(std::f32::consts::PI)),
         };
-        bench.radiance(vec![light]);
-        // Brightness along a row of the wall in front of the ball.
-        let image = bench.image();
-        let [width, row] = [golden::SIZE[0] as usize, golden::SIZE[1] as usize / 2];
-        let levels: Vec<f32> = (0..width).map(|x| f32::from(image[4 * (row * width + x) + 1])).collect();
+        let levels = bench.floor(light, height);
         // Pixels between a quarter and three quarters of the range.
         let (low, high) =
-            (levels.iter().copied().fold(255.0, f32::min), levels.iter().copied().fold(0.0, f32::max));
+            (levels.iter().copied().fold(1.0, f32::min), levels.iter().copied().fold(0.0, f32::max));
         let between = |level: &&f32| (low + 0.25 * (high - low)..low + 0.75 * (high - low)).contains(*level);
         levels.iter().filter(between).count()
     };
     let [point, small, large] = [0.0, 0.02, 0.12].map(|radius| shadow(radius, 0.06));
     println!("pixels of the penumbra: point {point}, small {small}, large {large}");
     assert!(large > 2 * point.max(1) && small <= large, "{point} {small} {large}");
+}
+
+/// A long light casts shadows on points from which hair hides an end of it but not its center.
+#[test]
+fn shadows_of_long_lights_reach_beyond_the_hair() {
+    let Some(context) = common::context() else { return };
+    let mut bench = Bench::new(context, Renderer::masks(1), 4);
+    bench.hair = common::segments(context, &[[Vec3::splat(5.0), Vec3::splat(5.1)]], 1e-4);
+    bench.picture.focus.radius = 0.1;
+    let (height, ends) = (0.06, [Vec3::new(0.05, 0.25, 0.0), Vec3::new(0.55, 0.25, 0.0)]);
+    let mut light = Light::new(LightShape::Tube { ends, radius: 0.005 }, 40.0);
+    let shadowed = bench.floor(light, height);
+    light.casts_shadows = false;
+    let lit = bench.floor(light, height);
+    let mut errors = Vec::new();
+    let mut jump = 0.0f32;
+    for (i, x) in Bench::floor_points(height).enumerate() {
+        let point = Vec3::new(x, -0.08 - height, 0.0);
+        // Each part of the tube delivers light by its distance and the cosines at both ends of the ray, unless the ray
+        // passes through the ball.
+        let parts = (0..200).map(|k| {
+            let ray = ends[0].lerp(ends[1], (k as f32 + 0.5) / 200.0) - point;
+            let to_light = ray.normalize();
+            let weight = to_light.y * (1.0 - to_light.x * to_light.x).sqrt() / ray.length_squared();
+            (weight, point.reject_from_normalized(to_light).length() > 0.08)
+        });
+        let (all, seen) = parts
+            .fold((0.0, 0.0), |(all, seen), (w, is_seen)| (all + w, seen + if is_seen { w } else { 0.0 }));
+        let ratio = shadowed[i] / lit[i];
+        println!("{x:.3}: {ratio:.3}, {:.3} by rays", seen / all);
+        errors.push((ratio - seen / all).abs());
+        if i > 0 {
+            jump = jump.max((ratio - shadowed[i - 1] / lit[i - 1]).abs());
+        }
+    }
+    let mean = errors.iter().sum::<f32>() / errors.len() as f32;
+    println!("mean error {mean}, largest step {jump}");
+    assert!(mean < 0.12, "{mean}");
+    assert!(jump < 0.15, "{jump}");
 }
 
 /// A head between another one and a light casts its shadow there, also when both are zones of a crowd.
@@ -441,7 +500,7 @@ fn maps_of_still_hair_are_reused() {
     let options = ViewOptions { renderer: Renderer::masks(1), shadow_resolution: 256, ..common::coarse() };
     let view = View::new(context, &options, golden::SIZE, 1).unwrap();
     let mut picture = Picture {
-        camera: Camera::look_at(Vec3::new(0.1, 0.15, 0.6), Vec3::ZERO, 0.6, golden::SIZE),
+        camera: Camera::look_at(Vec3::new(0.1, 0.15, 0.6), Vec3::ZERO, FIELD_OF_VIEW, golden::SIZE),
         focus: Sphere { center: Vec3::ZERO, radius: 0.2 },
         ..Default::default()
     };
