@@ -22,22 +22,33 @@ pub const CHIPS: [&str; 11] = [
 
 /// Most spills of the kernels whose name begins with the second word, on chips of the maker. On all others none may
 /// spill. docs/research/gpu-compilers.md has the reasons.
-const KNOWN: [(&str, &str, u32); 13] = [
+const KNOWN: [(&str, &str, u32); 22] = [
     ("intel", "simulate::step::", 80),
     ("intel", "simulate::twist::", 310),
     ("intel", "draw::tiles::", 90),
+    // Near lights.
+    ("intel", "light::shading_samples::2", 140),
     ("intel", "light::shading_samples::", 70),
+    ("intel", "light::shade::2", 80),
+    ("intel", "light::shade::3", 100),
+    ("intel", "light::ambient::gather_unmapped", 35),
+    ("intel", "wind::smooth_", 120),
     // A debug view.
-    ("intel", "views::terms", 250),
+    ("intel", "views::terms", 390),
     // A stack in private memory.
     ("intel", "collide::build::measure", 65),
     ("nvidia", "simulate::twist::", 15),
     ("qualcomm", "simulate::twist::", 15),
+    ("qualcomm", "views::terms", 20),
     ("apple", "simulate::step::", 1000),
     ("apple", "simulate::twist::", 800),
     ("apple", "draw::tiles::", 90),
+    // Near lights.
+    ("apple", "light::shading_samples::2", 155),
     ("apple", "light::shading_samples::", 15),
-    ("apple", "views::terms", 450),
+    ("apple", "light::shade::2", 290),
+    ("apple", "light::shade::3", 310),
+    ("apple", "views::terms", 1040),
 ];
 
 /// Returns the most spills that are known of `kernel` on `chip`.
