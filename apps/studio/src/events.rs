@@ -76,8 +76,8 @@ mod tests {
                 }
                 let place = egui::Rect::from_min_size(pos2(20.0, 200.0), egui::vec2(200.0, 30.0));
                 ui.put(place, egui::Slider::new(&mut widgets.slider, 0.0..=1.0).show_value(false));
-                let place = egui::Rect::from_center_size(FIELD, egui::vec2(80.0, 20.0));
-                ui.put(place, egui::TextEdit::singleline(&mut widgets.text));
+                let field = egui::Rect::from_center_size(FIELD, egui::vec2(80.0, 20.0));
+                ui.put(field, egui::TextEdit::singleline(&mut widgets.text));
             });
             // Nothing is painted.
             output.textures_delta.clear();
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn text_reaches_a_field_clicked_in_the_same_frame() {
+    fn text_after_a_click_enters_the_clicked_field() {
         let letters = ["a", "b"].map(|letter| Event::Text(letter.into()));
         let events: Vec<_> = click(FIELD).into_iter().chain(letters).collect();
         assert_eq!(after(&events, true).text, "ab");

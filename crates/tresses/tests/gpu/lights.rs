@@ -4,6 +4,7 @@ use crate::{common, golden};
 use tresses::{
     Body, BodyMaterial, Camera, Context, Picture, Pose, Timings, View, ViewOptions,
     glam::Vec3,
+    groom::srgb::linear,
     light::{HairMaterial, Light, LightShape, Lights, Shadows, Sky, Sphere},
     low_level::{
         Drawing, Hair, HairSet, Shadow, ShadowProbe, StrandVertex, Zone, readback, unpack_radiance, wall,
@@ -13,11 +14,6 @@ use tresses::{
 
 /// Vertical, radians.
 const FIELD_OF_VIEW: f32 = 0.6;
-
-fn from_srgb(byte: u8) -> f32 {
-    let level = f32::from(byte) / 255.0;
-    if level > 0.04045 { ((level + 0.055) / 1.055).powf(2.4) } else { level / 12.92 }
-}
 
 /// Hair on a ball, in lights of all shapes.
 struct Bench<'a> {
@@ -82,7 +78,7 @@ impl<'a> Bench<'a> {
         self.radiance(vec![light]);
         let image = self.image();
         let [width, row] = [golden::SIZE[0] as usize, golden::SIZE[1] as usize / 2];
-        (0..width).map(|x| from_srgb(image[4 * (row * width + x) + 1])).collect()
+        (0..width).map(|x| linear(f32::from(image[4 * (row * width + x) + 1]) / 255.0)).collect()
     }
 
     /// Returns the camera of [`floor`](Self::floor) and its target, which is in the middle of the row.
